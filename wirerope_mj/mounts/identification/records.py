@@ -1,7 +1,7 @@
 """Records of an identification: reading them, warnings about them, and the isolator with the law fitted to them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,6 +26,8 @@ _Loops = Sequence[tuple[Path, Loop]]
 _STEADY = 0.01
 _ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
 _OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
+# force about which a loop swings, over its range, and deflection over its amplitude, within which it swings about none
+_OFFSET, _UNMOVED = 3.0, 0.2
 _STIFF = 3e7  # Secant stiffness [N/m] ten times that of the stiffest part of a vendor
 _SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
 # Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
@@ -86,13 +88,27 @@ def rig_warnings(tests: Tests) -> tuple[list[str], dict[Path, str]]:
         for path, size in least.items()
         if size > _STIFF
     ]
-    return [*faults, *_unsteady(loops), *level, *soft, *stiff], {
+    return [*faults, *_unsteady(loops), *level, *soft, *stiff, *_off_zero(tests)], {
         path: "; a lag between its channels, of whatever size, cannot be told: that takes a time, no play and three "
         "reversals in turn between like strokes, as two and a half cycles of an amplitude have"
         if math.isnan(check.least_lag)
         else f"; a lag between its channels is named from {100.0 * check.least_lag:.2g} % of a cycle on"
         for path, check in checked.items()
     }
+
+
+def _off_zero(tests: Tests) -> Iterator[str]:
+    """Yield a warning of each file whose largest loop swings about no deflection, and a force far beyond its range."""
+    for path, tested in tests.items():
+        loop = max(tested, key=lambda candidate: candidate.amplitude)
+        force, deflection = (0.5 * float(values.max() + values.min()) for values in (loop.force, loop.deflection))
+        swing = float(np.ptp(loop.force))
+        if abs(force) > _OFFSET * swing and abs(deflection) < _UNMOVED * loop.amplitude:
+            yield (
+                f"{path}: its largest loop, {_size(loop)}, swings about {force:.4g} N with a range of {swing:.4g} N: is the "
+                "load cell's zero off, or is the deflection counted from where a preload holds the device? Take the zero "
+                "off, or count deflections from the unloaded device."
+            )
 
 
 def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:

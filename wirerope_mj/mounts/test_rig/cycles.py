@@ -13,7 +13,14 @@ from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
-from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal, require_slower
+from wirerope_mj.mounts.test_rig.reading import (
+    Samples,
+    read_rows,
+    require_like_samples,
+    require_likely,
+    require_nominal,
+    require_slower,
+)
 from wirerope_mj.mounts.test_rig.turning import RecordedLoop, Trace, find_turning_points
 
 Locate = Callable[[int, int], str]  # Returns the text that says where the samples from one index to another stand
@@ -48,6 +55,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
         def locate(first: int, last: int, samples: Samples = samples) -> str:
             return f"{path}, lines {samples.lines[first]} to {samples.lines[last]}"
 
+        require_like_samples(samples, path)
         try:
             time = np.array(samples.time) if samples.time else None
             force = np.array(samples.force)

@@ -9,6 +9,7 @@ from wirerope_mj.mounts.test_rig.turning import RecordedLoop, rms_noise
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
 _NOISE_VARIANCE = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
 _PROBABILITY = 1e-4  # of noise to look like a cycle
+_STRAIGHT = 1e-3  # of the force's range, within which a force that is a straight line over the deflection is a copy of it
 _CYCLE_SHARE = 0.5  # fraction of the variance at one frequency that is a cycle, however few the samples
 _VARIANCE_ERRORS = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), rounded up
 
@@ -176,6 +177,12 @@ def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
 def require_area(loop: Loop, location: str) -> None:
     """Raise ValueError if a loop that has passed `require_passive` shows no stiffness or no area beside its noise."""
     cycle = f"{location}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
+    straight = np.polynomial.Polynomial.fit(loop.deflection, loop.force, 1)
+    if np.abs(loop.force - straight(loop.deflection)).max() < _STRAIGHT * float(np.ptp(loop.force)):
+        raise ValueError(
+            f"{cycle} has a force that is {loop.secant_stiffness:.4g} N/m times the deflection, without any loop, as no sensor "
+            "of a wire rope shows: is it the channel of the deflection once more?"
+        )
     if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
         lack = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
         raise ValueError(f"{cycle} {lack} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it.")

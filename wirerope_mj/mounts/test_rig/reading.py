@@ -1,5 +1,6 @@
 """CSV files of cyclic tests: writing, and reading, with errors that name the line."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -83,7 +84,11 @@ _SOFTEST, _STIFFEST = 500.0, 1e9
 _FASTEST = 2000.0  # acceleration of a cycle [m/s^2]: rigs reach a tenth of it; s for ms is a million times as much
 _FEWEST = 8  # samples: fewer are no loop
 _LEG = 0.2  # fraction of the range that counts as going back: above any noise that leaves a loop to be seen
-_NOMINAL = 2.0  # times that a loop may be larger or smaller than its stated amplitude: mixed units are 1000 times
+# times that a loop may be larger or smaller than its stated amplitude: rigs miss theirs by a fifth, from peak to peak it is
+# twice, mixed units are 1000 times
+_NOMINAL, _PEAK_TO_PEAK = 1.6, 2.5
+# samples that stand alone, and how many times as far off the middle as nearly all others
+_ALONE, _FAR_OFF = 3, 30.0
 
 
 @dataclass
@@ -257,7 +262,28 @@ def require_slower(amplitude: float, period: float, location: str) -> None:
 def require_nominal(samples: Samples, amplitude: float, location: str) -> None:
     """Raise RecordError if an amplitude [m] is far from the amplitude that its rows state: probably wrong units."""
     if samples.amplitude is not None and not 1.0 / _NOMINAL < samples.amplitude / amplitude < _NOMINAL:
+        twice = _NOMINAL <= samples.amplitude / amplitude < _PEAK_TO_PEAK
         raise RecordError(
             f"{location}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "
-            f"+-{1e3 * amplitude:.5g} mm; do the two columns have the units that the header says?"
+            f"+-{1e3 * amplitude:.5g} mm; "
+            + (
+                "is it from peak to peak? An amplitude is half of that."
+                if twice
+                else "do the two columns have the units that the header says?"
+            )
         )
+
+
+def require_like_samples(samples: Samples, path: Path) -> None:
+    """Raise RecordError if a sample of deflection or force is off by so much that it is no sample of a cycle."""
+    for name, values in (("deflection", np.array(samples.deflection)), ("force", np.array(samples.force))):
+        off = np.abs(values - np.median(values))
+        usual = float(np.quantile(off, 0.99)) if off.size > 100 * _ALONE else math.inf
+        alone = np.flatnonzero(off > _FAR_OFF * usual) if usual > 0.0 else np.zeros(0, int)
+        if 0 < alone.size <= _ALONE:
+            unit, factor = ("mm", 1e3) if name == "deflection" else ("N", 1.0)
+            raise RecordError(
+                f"{path}, line {samples.lines[alone[0]]}: a {name} of {factor * values[alone[0]]:.6g} {unit} stands alone "
+                f"among others within {factor * usual:.4g} {unit} of their middle: is a digit wrong, or was the sample lost? "
+                "Correct or leave out the line."
+            )
