@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.signals import few_levels, hum_warnings, level_warnings, moved_level, resolution_warnings
+from wirerope_mj.motions.records.written import appended_twice, code_text, counted, lost_code
 
 _FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
 # fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
@@ -28,6 +29,7 @@ _JUMP = 0.99
 # relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less
 _GRAVITY_ERROR = 0.03
 _UNITS = ("g", "m/s^2", "mm/s^2", "in/s^2", "ft/s^2", "gal", "mg")  # in which loggers write accelerations
+_KNOWN = 0.5  # of a level, within which both ends of a record must stand at it, with what their noise leaves open
 _OFFSETS = 0.5  # level at rest [m/s^2] below which it is a sensor's offset, and gravity in another unit by chance
 # peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
@@ -43,6 +45,9 @@ _GAIN = 0.1
 _ENDS = 0.05  # fraction of what an offset would add up to: smaller final velocity and travel show that there is none
 # of a record that may be a velocity: level at its beginning over that behind the shock, and the latter over the largest value
 _BEGINS, _STAYS = 0.05, 0.8
+# of a motion that is no pulse: speed [m/s], peak [m/s^2] and length [s] that together nothing has which shakes; the ground of
+# earthquakes reaches 3 m/s, boats that slam 4, and sleds, which are faster, make one pulse
+_SWUNG, _HARD, _LONG = 5.0, 20.0, 2.0
 _MEDIAN_STEP = 0.954  # median of the steps from sample to sample of white noise, over its rms
 # peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one
 _WEAK = 0.5
@@ -55,13 +60,14 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     rate, (unit, factor) = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0]), reading.unit
     if reading.samples.any() or not reading.turned_by:
         yield from _implausible(reading, rate)
+        yield from appended_twice(reading.samples, reading.time)
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
             quiet, rest = quiet_level(a), offset_of(a)
             if quiet is None and abs(abs(rest) - STANDARD_GRAVITY) <= _GRAVITY_ERROR * STANDARD_GRAVITY:
                 quiet = rest  # of a vibration
-            yield from _wrong_unit(axis, quiet, reading, corrected)
+            yield from _wrong_unit(axis, a, quiet, reading, corrected)
             peak, pulse = peak_from(a, rest), is_pulse(a, rest)
             limit = _PULSE_END if pulse else _VIBRATION_END  # of what is left at an end
             for verb, index, side in (("begins", 0, "before"), ("ends", -1, "after")):
@@ -72,6 +78,9 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
                         f"along {axis} it {verb} at {100.0 * ratio:.0f} % of its peak: {reason}, and {side} it the base's "
                         "acceleration is zero."
                     )
+            if (code := lost_code(a / factor)) is not None:
+                yield code_text(f"along {axis}", code, a / factor)
+                continue
             if levels := few_levels(a):
                 yield (
                     f"along {axis} its samples stand at {levels} levels alone, "
@@ -100,6 +109,14 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
         end, speed = float(velocity[-1]), max(float(velocity.max()), -float(velocity.min()))
         travel = float(velocity.sum()) * step
         gained = end if rest is None else rest * length  # velocity that a steady offset adds up to
+        swing, peak = _swing(velocity), float(np.abs(a - offset_of(a)).max())
+        if swing > _SWUNG and peak > _HARD and length > _LONG and not is_pulse(a, offset_of(a)):
+            smaller, meant = ("m/s^2 or mg", "mg") if reading.unit[0] == "g" else ("cm/s^2 (gal) or mm/s^2", "gal")
+            yield (
+                f"along {axis} the base would swing at {swing:.3g} m/s and {reading.text(peak, 3)} for {length:.3g} s, as no "
+                f"ground, deck, vehicle or shaker does: is it in {smaller}? Say the right unit, as in --unit {meant}."
+            )
+            continue
         velocity -= np.linspace(0.0, gained, velocity.size)
         velocity_range = float(np.ptp(velocity))
         course = f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: "
@@ -137,6 +154,13 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
             )
 
 
+def _swing(velocity: Array) -> float:
+    """Return half of the range of a velocity (n,) about the parabola that a steady and a drifting zero add up to."""
+    course = velocity[:: max(1, velocity.size // 10_000)]
+    place = np.linspace(-1.0, 1.0, course.size)
+    return 0.5 * float(np.ptp(course - np.polyval(np.polyfit(place, course, 2), place)))
+
+
 def _runaway(course: str, steady: str, speed: float, travel: float) -> Iterator[str]:
     """Yield a warning about a motion without a quiet part whose speed or travel is too large, with the likely reason."""
     if steady:
@@ -154,7 +178,12 @@ def _implausible(reading: Reading, rate: float) -> Iterator[str]:
     """Yield warnings about a peak or a sampling rate [Hz] that no base has, as if in another unit."""
     peak = max(float(reading.samples.max()), -float(reading.samples.min()))
     units = " and ".join(reading.units)
-    if peak > LARGEST_PEAK:
+    if peak > LARGEST_PEAK and counted(reading.samples / reading.unit[1]):
+        yield (
+            f"its peak is {reading.text(peak, 6)}, and all of its numbers are whole: are they counts of the converter? Say "
+            f"what one of them is in {units} by `scale` (--scale)."
+        )
+    elif peak > LARGEST_PEAK:
         yield (
             f"its peak of {reading.text(peak, 3)} is beyond any base's: are the values in another unit than {units}, by a "
             'factor of 1000 or 9.81? Say the right one, for instance unit="mm/s^2" (--unit).'
@@ -179,7 +208,7 @@ def _implausible(reading: Reading, rate: float) -> Iterator[str]:
         yield f"it has {rate:.4g} samples a second: is its time in another unit than the header says, s for ms or ms for s?"
 
 
-def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool) -> Iterator[str]:
+def _wrong_unit(axis: str, a: Array, rest: float | None, reading: Reading, corrected: bool) -> Iterator[str]:
     """Yield a warning if the level at rest along an axis is gravity, in the record's unit or if read in another one."""
     if rest is None or len(reading.units) != 1:
         return
@@ -213,11 +242,19 @@ def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool
         for other, value in values.items()
         if near(value) and (value >= _OFFSETS or (unit.startswith("mm") and other in ("g", "m/s^2")))
     ]
-    if found:
+    if found and _stands_at_both_ends(a, rest):
         yield (
             f"{level}which is gravity if the values are in {' or '.join(found)} and not in {unit}. If so, say "
             f'unit="{found[0]}" (--unit), and baseline="rest" (--baseline rest).'
         )
+
+
+def _stands_at_both_ends(a: Array, level: float) -> bool:
+    """Tell whether a signal (n,) begins and ends at a level, as gravity stands in it, and not on the average alone."""
+    few = max(_FEWEST, a.size // 50)
+    medians = [float(np.median(part)) for part in (a[:few], a[-few:])]
+    errors = [float(np.std(part)) / np.sqrt(few) for part in (a[:few], a[-few:])]
+    return all(abs(x - level) + error < _KNOWN * abs(level) for x, error in zip(medians, errors, strict=True))
 
 
 def flat_tops(a: Array) -> Iterator[tuple[float, int]]:

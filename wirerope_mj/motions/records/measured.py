@@ -26,6 +26,7 @@ from wirerope_mj.motions.records.sampling import evenly_sampled
 from wirerope_mj.motions.records.signals import level_warnings, resolution_warnings
 from wirerope_mj.motions.records.table import read_columns, require_within_range
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
+from wirerope_mj.motions.records.written import code_text, lost_code
 
 Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "force"]
 Axis = Literal["x", "y", "z"]
@@ -324,6 +325,9 @@ def _warnings(
     factor = UNITS[quantity][unit]
     if spread == 0.0:
         yield f"{where} all samples are {values[0] / factor:.4g} {unit}: the channel is dead, or was not connected."
+        return
+    if (code := lost_code(values / factor)) is not None:
+        yield code_text(where, code, values / factor)
         return
     yield from (clipped_text(where, f"{extreme / factor:.5g} {unit}", length) for extreme, length in tops)
     if rest is None and baseline == "rest":

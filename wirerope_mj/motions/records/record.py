@@ -31,6 +31,8 @@ _EVEN = 1e-3  # fraction of an interval by which an instant's last digit may shi
 _MEASURED = frozenset(
     [".csv", ".txt", ".tsv", ".dat", ".asc", ".mat", ".xlsx", ".xlsm", ".uff", ".unv", ".lvm", ".tdms", ".at2", ".v2"]
 )
+# factors by which units of acceleration are taken for each other, and their relative error
+_GRAVITY, _OF_GRAVITY = (STANDARD_GRAVITY, 1.0 / STANDARD_GRAVITY), 5e-3
 _BLOCK = 100_000  # samples that are searched for the peak together, so that a long record is not copied
 
 
@@ -257,6 +259,7 @@ def load_record(
     peak = max(float(samples.max()), -float(samples.min()))
     if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
+    reading = reading.warned(*_scale_warnings(file, scale))
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
     if fade is not None:
@@ -310,6 +313,16 @@ def record_channels(
         return uff_channels(file)
     stated = None if columns is None and interval is None else (columns, interval)
     return acceleration_channels(file, stated) if accelerations else table_channels(file, stated)
+
+
+def _scale_warnings(file: Path, scale: float) -> list[str]:
+    """Warn of a scale that turns a unit of acceleration into another, unless nothing says the unit, as in a WAV file."""
+    if file.suffix.lower() == ".wav" or not any(abs(abs(scale) / size - 1.0) < _OF_GRAVITY for size in _GRAVITY):
+        return []
+    return [
+        f"`scale` of {scale:g} makes g of m/s^2, or m/s^2 of g, which is done already for the unit that the file or `unit` "
+        "says: leave it out, or say the right unit."
+    ]
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import short
@@ -13,6 +14,7 @@ from wirerope_mj.motions.records.reading import is_pulse, offset_of, peak_from
 # parts of what stands before a change and behind it, and the least samples of each: their medians must agree
 _PARTS, _FEWEST = 4, 16
 _STEADY = 0.25  # of the change, by which the medians of these parts may differ from the level
+_WITHOUT_PULSE = (0.1, 0.9)  # quantiles of a signal between which a short pulse does not rule
 _ERRORS = 7.4  # four standard errors of a median of noise, in median deviations over the root of the number of samples
 _LEVEL = 0.5  # of the range, beyond which a change is the top of a pulse that the record ends in
 _SLOW, _GAIN = 0.1, 0.1  # velocity that does not matter [m/s]; fraction of that of the motion from which it does
@@ -23,6 +25,7 @@ _BLOCKS = 64  # means of what follows a pulse, which take the noise off
 # largest residual, over the signal behind its pulse, of a fit with one stage of AC coupling, or with two
 _RESIDUAL, _RESIDUAL_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and behind an undershoot, where no flank disturbs
 _LEAST_LOSS = 0.1  # fraction of the pulse's velocity that must be lost
+_PULSES = 16  # lengths of its pulse that a record has at least, for what follows it to be smoothed by them
 _DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
 _NOISE = 1.2  # times the noise of these means that may be left
 
@@ -33,7 +36,12 @@ def level_shift(a: Array) -> tuple[float, float, int] | None:
     The change is where the sum of the samples less their mean is farthest from zero. Both levels are steady: a slow swing or
     what dies away is no level.
     """
-    at = int(np.abs(np.cumsum(a - a.mean())).argmax()) + 1
+    return _shift_at(a, a) or _shift_at(a, np.clip(a, *np.quantile(a, _WITHOUT_PULSE)))
+
+
+def _shift_at(a: Array, looked_at: Array) -> tuple[float, float, int] | None:
+    """Find a change of level of a signal (n,) where what is looked at in its place, such as without its pulse, has one."""
+    at = int(np.abs(np.cumsum(looked_at - looked_at.mean())).argmax()) + 1
     parts = a[:at], a[at:]
     if min(map(len, parts)) < _PARTS * _FEWEST:
         return None
@@ -84,7 +92,7 @@ def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *
             f"shock the sensor turned or shifted its zero, or its AC coupling has not come back yet"
             f"{'; ' if played else '. '}{remedy}"
         )
-    elif played and (coupling := _coupling(a, rate)) is not None:
+    elif played and (coupling := _coupling(a, rate) or _coupling(_without_ringing(a), rate)):
         limit, velocity, final = coupling
         yield (
             f"{where} the velocity of {velocity:.3g} m/s that its pulse reaches falls back to {final:.2g} m/s as AC coupling "
@@ -92,6 +100,16 @@ def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *
             "the sensor is AC-coupled, the pulse's change of velocity is lost, soft isolators travel too little, and that "
             "the record ends at rest proves nothing: measure with a DC-coupled sensor, or with a lower limit."
         )
+
+
+def _without_ringing(a: Array) -> Array:
+    """Smooth a signal over the length of its pulse, twice, so that what rings faster is gone and its velocity stays."""
+    rest = offset_of(a)
+    above = np.flatnonzero(np.abs(a - rest) > 0.5 * peak_from(a, rest))
+    length = int(np.count_nonzero(np.diff(above) > 1) < 4) * above.size
+    if not 1 < length < a.size // _PULSES:
+        return a
+    return scipy.ndimage.uniform_filter1d(scipy.ndimage.uniform_filter1d(a, length), length)
 
 
 def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:

@@ -24,6 +24,7 @@ from wirerope_mj.motions.records.blocks import Clock, raise_for_bad_line, read_b
 from wirerope_mj.motions.records.reading import Reading, axes_of
 from wirerope_mj.motions.records.signals import channel_warnings
 from wirerope_mj.motions.records.turning import TURN_UNITS, kind_of, turn_columns, turned_by
+from wirerope_mj.motions.records.written import channels_alone, copied_channels, rate_warnings
 
 _BEYOND = 1.2  # times its range, above which no accelerometer shows anything
 _AXIS_COLUMN = re.compile(
@@ -89,7 +90,9 @@ def read_record_table(
     messages += [
         *filled,
         *_borrowed_time(header, time, list(directions)),
+        *rate_warnings(header, instants),
         *channel_warnings([header.names[i] for i in directions], axes, samples),
+        *copied_channels(channels_alone([header.names[i] for i in directions], axes, samples)),
     ]
     return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages), turned_by=kind)
 
@@ -110,7 +113,7 @@ def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Readi
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _read_scaled(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
-    messages += _borrowed_time(header, time, columns)
+    messages += [*_borrowed_time(header, time, columns), *rate_warnings(header, instants)]
     return Reading(instants, samples, units=(), warnings=tuple(messages)), units
 
 
