@@ -14,6 +14,7 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, dire
 from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.doubts import doubt_of_swing
 from wirerope_mj.motions.motion import BaseMotion, Said, StraightMotion
 from wirerope_mj.motions.payload_forces import PayloadForce
 from wirerope_mj.motions.phrases import START, SpokenMotion, made_of, site_first
@@ -55,6 +56,11 @@ class Sine(StraightMotion):
         self._set(amplitude=ranges.level("acceleration", acceleration))
         self._set(direction=checked_direction(direction))
         self._set(duration=math.inf if duration is None else ranges.length("duration", duration))
+
+    @property
+    def doubt(self) -> str:
+        """Question whether a unit is wrong, if nothing swings so; else ""."""
+        return doubt_of_swing(self.frequency, abs(self.amplitude))
 
     @property
     def corners(self) -> Array:

@@ -11,8 +11,9 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.said_above import rms_above
 from wirerope_mj.foundation.table_files import number_in, read_header, rows_below, rows_in_si
-from wirerope_mj.foundation.table_header import is_missing
+from wirerope_mj.foundation.table_header import Header, is_missing
 from wirerope_mj.foundation.units import (
     ACCELERATION_UNITS,
     FORCE_UNITS,
@@ -26,6 +27,7 @@ from wirerope_mj.foundation.units import (
     VELOCITY_UNITS,
     find_unit,
 )
+from wirerope_mj.motions.doubts import doubt_of_swing
 
 Points = tuple[tuple[float, float], ...]
 FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -125,7 +127,17 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
 _HIGHEST, _FARTHEST = 5e3, 4.0
 # rms acceleration [m/s^2] beyond which the unit of a density is questioned, 50 g; how many times a single point stands off both
 # beside it; displacement [m] of an oscillator under a spectrum, which the ground of no earthquake and no ship's deck reaches
-LOUDEST, _LONE, _SWEPT = 50.0 * STANDARD_GRAVITY, 100.0, 1.2
+_LOUDEST, _LONE, _SWEPT = 50.0 * STANDARD_GRAVITY, 100.0, 1.2
+
+
+def doubt_of_rms(rms: float) -> str:
+    """Return a question about the unit of a density whose rms [m/s^2] no shaker reaches; else ""."""
+    if rms <= _LOUDEST:
+        return ""
+    return (
+        f"its rms is {rms / STANDARD_GRAVITY:.3g} g, more than shakers reach: is it in (m/s^2)^2/Hz where g^2/Hz is said, or in "
+        "m/s^2 where g is?"
+    )
 
 
 def psd_points(path: Path) -> Points:
@@ -134,7 +146,8 @@ def psd_points(path: Path) -> Points:
     Or the bands of one such as "from [Hz], to [Hz], psd [g^2/Hz], slope [dB/oct]", each with a level or a slope.
 
     Warns:
-        RecordWarning: the frequencies, or the displacement that they make, are beyond what any vibration has.
+        RecordWarning: the frequencies, or the displacement that they make, are beyond what any vibration has. Of the rms
+            the motion that is made of it says the same (`doubt_of_rms`).
     """
     points = _density(path)
     moved = psd_rms([(frequency, level / (2.0 * math.pi * frequency) ** 4) for frequency, level in points])
@@ -143,17 +156,33 @@ def psd_points(path: Path) -> Points:
         doubt = (
             f"it reaches {points[-1][0]:.4g} Hz, and densities end at 2000 or 5000 Hz: are its frequencies in rad/s?{in_hertz}"
         )
-    elif (rms := psd_rms(points)) > LOUDEST:
-        doubt = (
-            f"its rms is {rms / STANDARD_GRAVITY:.3g} g, more than shakers reach: is it in (m/s^2)^2/Hz where g^2/Hz is said?"
-        )
     elif (odd := _lone_point(points)) is not None:
         doubt = f"its level at {odd:.4g} Hz stands a hundred times off both beside it: is a digit wrong?"
+    elif points[-1][1] > _RISING * max(level for _, level in points[:-1]) and points[-1][0] > 2.0 * points[-2][0]:
+        doubt = (
+            f"it rises to {points[-1][1] / points[-2][1]:.3g} times its level from {points[-2][0]:.4g} Hz on, where densities "
+            "fall: does its last slope lack a minus, or has its last level a digit too many?"
+        )
     elif moved > _FARTHEST:
         doubt = f"at {points[0][0]:.3g} Hz its base would move by {moved:.3g} m rms: are its frequencies in kHz?{in_hertz}"
+    else:
+        doubt = _doubt_of_said(read_header(path, kind="power spectral density", example=""), psd_rms(points))
     if doubt:
         warnings.warn(f"{path}: {doubt}", RecordWarning, stacklevel=2)
     return points
+
+
+def _doubt_of_said(header: Header, rms: float) -> str:
+    """Return a question about an rms value above a header that is not that of the density [m/s^2]; "" if there is none."""
+    of_g = any(unit is not None and "g" in unit for unit in header.units)
+    said = [value * (STANDARD_GRAVITY if (unit or "g" * of_g) == "g" else 1.0) for value, unit in rms_above(header)]
+    if not said or any(abs(value / rms - 1.0) < _SAID for value in said):
+        return ""
+    unit, size = ("g", STANDARD_GRAVITY) if of_g else ("m/s^2", 1.0)
+    return (
+        f"above its header stands an rms of {said[0] / size:.4g} {unit}, and its points have {rms / size:.4g} {unit}: is a "
+        "level, a frequency or the unit another?"
+    )
 
 
 def _lone_point(points: Points) -> float | None:
@@ -169,6 +198,8 @@ def _lone_point(points: Points) -> float | None:
     return None
 
 
+_SAID = 0.1  # relative error of an rms value that a file says of itself
+_RISING = 8.0  # level at the end over all before it, over more than an octave: those of standards fall there, or rise twice
 _MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
 
 
@@ -262,6 +293,10 @@ def table_lines(path: Path) -> tuple[str, Points]:
         lines = banded_lines([row if len(row) == 3 else (row[0], *row) for row in rows])
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None
+    orders = {"acceleration": 0, "velocity": 1, "displacement": 2}
+    peaks = [(frequency, size * (2.0 * math.pi * frequency) ** orders[quantity]) for frequency, size in lines]
+    if doubt := next(filter(None, (doubt_of_swing(*peak) for peak in reversed(peaks))), ""):
+        warnings.warn(f"{path}: {doubt}", RecordWarning, stacklevel=2)
     return quantity, lines
 
 
@@ -325,6 +360,11 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str, 
     places = [candidates[0][0], candidates[1][0]]
     try:
         rows = rows_in_si(header, dict(zip(places, (FREQUENCY_UNITS, units), strict=True)))
+        if units is PSD_UNITS and (below := [level for _, level in rows if level < 0.0]):
+            raise ValueError(
+                f"{len(below)} of its {len(rows)} levels are negative, such as {below[0] / header.factor(places[1], units):.4g}"
+                ": are they in dB? Write them in their unit, 10^(dB/10)."
+            )
         return checked_points("rows", rows, quantity=header.names[places[1]], steps=steps)
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

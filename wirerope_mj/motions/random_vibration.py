@@ -20,7 +20,7 @@ from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes
 from wirerope_mj.motions.motion import Said, StartedMotion
 from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, vibration_arguments
 from wirerope_mj.motions.piecewise import UniformSpline
-from wirerope_mj.motions.psd_lines import LOUDEST, checked_points, flat_psd, psd_points, psd_power, psd_rms
+from wirerope_mj.motions.psd_lines import checked_points, doubt_of_rms, flat_psd, psd_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
 _DEGREES = {"quintic": 5, "cubic": 3}
@@ -110,8 +110,7 @@ class RandomVibration(AsCall, StartedMotion):
     @property
     def doubt(self) -> str:
         """Question whether the unit of the density is wrong, if its rms is above 50 g; else ""."""
-        loud = self.rms > LOUDEST
-        return f"its rms is {self.rms / STANDARD_GRAVITY:.4g} g: is the unit of its density another?" if loud else ""
+        return doubt_of_rms(self.rms)
 
     @property
     def steady(self) -> tuple[float, float]:

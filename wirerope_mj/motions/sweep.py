@@ -13,6 +13,7 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.doubts import doubt_of_swing
 from wirerope_mj.motions.motion import Said, StraightMotion
 from wirerope_mj.motions.phrases import SpokenMotion
 
@@ -265,6 +266,14 @@ class Sweep(StraightMotion):
         if self.rate > _FASTEST:
             return f"{self.rate:.4g} octaves/min are faster than tests sweep: were {self.rate / 60.0:.3g} oct/min meant?"
         highest = max(self.start, self.stop)
+        for frequency in (self.start, self.stop):
+            per_peak = {
+                "acceleration": 1.0,
+                "velocity": 2.0 * math.pi * frequency,
+                "displacement": (2.0 * math.pi * frequency) ** 2,
+            }
+            if doubt := doubt_of_swing(frequency, self.amplitude * per_peak[self.quantity]):
+                return doubt
         return f"it reaches {highest:.4g} Hz, and tests end at 5000: are its frequencies in Hz?" if highest > _HIGHEST else ""
 
     def frequency(self, time: ArrayLike) -> Array:

@@ -38,7 +38,7 @@ from wirerope_mj.foundation.table_files import read_header
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import BaseMotion, load_measured, load_record
-from wirerope_mj.motions.psd_lines import force_rows, psd_points, spectrum_points, table_lines
+from wirerope_mj.motions.psd_lines import doubt_of_rms, force_rows, psd_points, psd_rms, spectrum_points, table_lines
 from wirerope_mj.motions.records.measured import parse_channel, quantity_of
 from wirerope_mj.motions.records.table import moves_a_base
 from wirerope_mj.motions.records.uff import is_uff, uff_channels
@@ -52,6 +52,7 @@ from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 from wirerope_mj.mounts.vendor_parts.short_sheet import read_short_sheet
 from wirerope_mj.runs.file_kinds import KINDS, has_unit, kind_of
 from wirerope_mj.runs.folder import warn_of_alterations
+from wirerope_mj.runs.job_doubts import job_doubts
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.measured import read_map
 from wirerope_mj.runs.new_model import TABLES, build_model, is_folder_of_tables, tables_in
@@ -229,6 +230,7 @@ def _job(path: Path) -> Texts:
     job = load_job(path)
     yield from _of_system(job.system, [case.scenario.motion for case in job.cases])
     yield from in_thin_air(job.system, job.layout)
+    yield from job_doubts(job.cases)
 
 
 def _isolator(path: Path) -> Texts:
@@ -273,6 +275,11 @@ def _record(path: Path) -> Texts:
         yield "no column states a unit, so that its values were not checked: write it behind the name, as in z [g]."
 
 
+def _density(path: Path) -> Texts:
+    if doubt := doubt_of_rms(psd_rms(psd_points(path))):
+        yield doubt
+
+
 def _map(path: Path) -> None:
     for column, phrase in read_map([str(path)])["channels"].items():
         parse_channel(column, phrase)
@@ -283,7 +290,7 @@ _READERS: dict[str, Callable[[Path], object]] = {
     "model": lambda path: _of_system(load_system(path)), "scenario": lambda path: _scenario(load_scenario(path).make()),
     "study": _study, "isolator": _isolator, "datasheet": _datasheet,
     "law": lambda path: read_law(read_toml(path, "law file"), Place(path)), "levels": motion_of_levels, "job": _job,
-    "life": _mission, "map": _map, "density": psd_points, "spectrum": spectrum_points, "amplitudes": table_lines,
+    "life": _mission, "map": _map, "density": _density, "spectrum": spectrum_points, "amplitudes": table_lines,
     "curve": read_curve, "forces over time": force_rows, "cyclic test": _cyclic_test, "record": _record, "run": _run,
     "folder of tables": _tables, **{kind: partial(read_table, kind) for kind in TABLES},
 }  # fmt: skip

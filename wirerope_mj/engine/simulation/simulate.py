@@ -253,6 +253,28 @@ def check_direction(system: System, motion: BaseMotion) -> None:
 _LONG, _LONGER = 100.0, 20.0
 
 
+# [s]: instant from which the begin of a motion is questioned, length below which a motion is a shock; fraction of its end by
+# which rounding may cut it
+_LATE, _SHOCK, _CUT = 5.0, 1.0, 1e-3
+
+
+def _warn_of_cut(motion: BaseMotion, duration: float) -> None:
+    """Warn of a motion that begins late, and of a shock that is not over when the simulation ends."""
+    begins = motion.events[0][0] if motion.events else 0.0
+    if _LATE < begins < duration:
+        warnings.warn(
+            f"nothing moves before {begins:g} s: was {begins:g} ms meant, {1e-3 * begins:g} s?", ModelWarning, stacklevel=3
+        )
+    for part in motion.parts:
+        starts = part.events[0][0] if part.events else 0.0
+        if not part.files and part.end - starts < _SHOCK and starts < duration < (1.0 - _CUT) * part.end:
+            warnings.warn(
+                f"`duration` of {duration:g} s ends within {part.description}, which goes on to {part.end:.4g} s, and before "
+                "anything has swung out: leave it out, or give more.",
+                ModelWarning, stacklevel=3,
+            )  # fmt: skip
+
+
 def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
     """Return the simulated time [s]: as given, or ten periods of the slowest mode past the motion, or a sweep's end.
 
@@ -277,4 +299,5 @@ def duration_of(motion: BaseMotion, duration: float | None, system: System) -> f
         raise ValueError(f"`duration` {duration:g} ends the simulation before the base lands, at {motion.end:.4g} s.")
     if motion.events and duration <= motion.events[0][0]:
         raise ValueError(f"`duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s.")
+    _warn_of_cut(motion, duration)
     return duration

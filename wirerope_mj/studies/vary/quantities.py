@@ -30,7 +30,10 @@ from wirerope_mj.studies.vary.mount_quantities import (
 )
 from wirerope_mj.studies.vary.quantity import Draft, Entry, InputColumn, Quantity
 
-_NEARLY = 0.985  # of a quarter, half or full turn in radians: the largest of a hundred values up to it
+# of a quarter, half or full turn in radians, that the largest of values up to it reaches: of many, of a hundred; distance of
+# even values over their number, of a range that has zero in its middle. Three degrees are 0.955 of half a turn.
+_NEARLY, _APART = (0.96, 0.985), 2.05
+_LOUDER = 20.0  # factor on a motion from which it may be in per cent, if all are beyond
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +109,8 @@ class Level(MotionColumn):
 
     def warnings(self, system: System, values: Array) -> list[str]:
         low, high = float(values.min()), float(values.max())
+        if low > _LOUDER:
+            return [f"{self.name} is a factor on the motion, from {low:.3g} to {high:.3g} in the study: is it in per cent?"]
         if not low < 0.0 < high:
             return []
         return [
@@ -133,7 +138,8 @@ class Azimuth(MotionColumn):
         low, high = float(values.min()), float(values.max())
         turns = [high / (part * math.pi) for part in (0.5, 1.0, 2.0)]
         from_none = abs(low) < 0.02 * high or abs(low + high) < 0.04 * high
-        if not (from_none and any(_NEARLY < turn < 1.0005 for turn in turns)):
+        nearly = max(_NEARLY[0], min(_NEARLY[1], 1.0 - _APART / values.size))
+        if not (from_none and any(nearly < turn < 1.0005 for turn in turns)):
             return []
         return [f"{self.name} is in degrees, and its values, from {low:.4g} to {high:.4g}, look like radians."]
 
