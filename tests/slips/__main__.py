@@ -7,8 +7,9 @@ from pathlib import Path
 
 from tests.slips.foreign_inputs import foreign_inputs
 from tests.slips.planting import Base, Outcome, Slip, planted, told
+from tests.slips.unusual_inputs import unusual_inputs
 
-CAMPAIGNS = ("models_and_tables", "records_and_jobs", "from_practice")
+CAMPAIGNS = ("models_and_tables", "records_and_jobs", "from_practice", "in_context")
 
 
 def slips(part: str = "") -> list[Slip]:
@@ -30,7 +31,7 @@ def _line(outcome: Outcome) -> str:
 
 def main() -> int:
     chosen, outcomes, alarms = slips(" ".join(sys.argv[1:])), list[Outcome](), 0
-    right = [*bases(chosen), *foreign_inputs()]
+    right = [*bases(chosen), *foreign_inputs(), *unusual_inputs()]
     with tempfile.TemporaryDirectory() as folder:
         for number, base in enumerate(right):
             for sentence in told(base, Path(folder) / f"base{number}"):

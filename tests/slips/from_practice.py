@@ -113,7 +113,7 @@ TRIAXIAL = (
 SHOCKS = TRIAXIAL[:2]
 
 
-def _changed(change: Callable[[Array, Array], Array]) -> Callable[[str], str]:
+def changed(change: Callable[[Array, Array], Array]) -> Callable[[str], str]:
     """Change all channels of a record, given with its time."""
     return on_rows(lambda rows: np.column_stack([rows[:, :1], change(rows[:, :1], rows[:, 1:])]))
 
@@ -156,7 +156,7 @@ def number(pattern: str, change: Callable[[float], float]) -> Callable[[str], st
     )
 
 
-def _row(index: int, name: str, change: Callable[[float], float]) -> Callable[[str], str]:
+def cell(index: int, name: str, change: Callable[[float], float]) -> Callable[[str], str]:
     """Change one cell of a table without comments."""
 
     def plant(words: str) -> str:
@@ -176,7 +176,7 @@ def _limits(lines: str) -> Callable[[str], str]:
 IN_TABLES = (
     Slip("centre of mass below all mounts", FOLDERS, columns("z", times(-1)), "below the mounts", MASSES),
     Slip("masses from another origin", FOLDERS, columns("x", lambda x: x + 2000.0), "outside the area", MASSES),
-    Slip("one mount's height with a digit too many", FOLDERS, _row(0, "z", times(20)), "is its own right", MOUNTS),
+    Slip("one mount's height with a digit too many", FOLDERS, cell(0, "z", times(20)), "is its own right", MOUNTS),
     Slip("all inclined mounts lean one way", LONGITUDINAL, put(",-90$", ",90"), "all lean towards", MOUNTS),
     Slip("one mount among others lies on its side", MIXED[:1], put("^b1(.*),0,0,1$", r"b1\1,1,0,0"),
          "direction right|leads away", MOUNTS),
@@ -219,11 +219,11 @@ IN_FILES = (
     Slip("a density of aerospace in (m/s2)2/Hz", PROFILES[1:2], _scaled(lambda f, s: (f, 96.17 * s)), r"\(m/s\^2\)\^2/Hz"),
     Slip("a spectrum in cm/s2 for g", FLOORS[:2], _scaled(lambda f, a: (f, 981.0 * a)), "in another unit"),
     Slip("a spectrum's frequencies in kHz", FLOORS, _scaled(lambda f, a: (1e-3 * f, a)), "in kHz"),
-    Slip("a dead channel", TRIAXIAL, _changed(_dead), "zero throughout"),
-    Slip("a column copied", TRIAXIAL, _changed(_copied), "equal from sample to sample"),
-    Slip("a recorder's range far too wide", TRIAXIAL, _changed(_coarse), "levels alone"),
-    Slip("hum before the shock", SHOCKS, _changed(_humming), "hum of the mains"),
-    Slip("a velocity for an acceleration", SHOCKS[:1], _changed(_integrated), "is it one, in m/s"),
+    Slip("a dead channel", TRIAXIAL, changed(_dead), "zero throughout"),
+    Slip("a column copied", TRIAXIAL, changed(_copied), "equal from sample to sample"),
+    Slip("a recorder's range far too wide", TRIAXIAL, changed(_coarse), "levels alone"),
+    Slip("hum before the shock", SHOCKS, changed(_humming), "hum of the mains"),
+    Slip("a velocity for an acceleration", SHOCKS[:1], changed(_integrated), "is it one, in m/s"),
     Slip("a blow of seconds", DECKS, put("blow (.) ms", r"blow \1 s"), "ms meant"),
     Slip("a deck's velocity in mm/s", DECKS, number(r"Hz ", times(1e3)), "Hz and m/s"),
 )  # fmt: skip

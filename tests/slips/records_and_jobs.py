@@ -225,7 +225,7 @@ IN_LOOPS = (
 )  # fmt: skip
 
 IN_DENSITIES = (
-    Slip("density in (m/s^2)^2/Hz, header says g^2/Hz", DENSITIES, times(1.0, G**2), "unit of its density", file="psd.csv"),
+    Slip("density in (m/s^2)^2/Hz, header says g^2/Hz", DENSITIES, times(1.0, G**2), r"where g\^2/Hz", file="psd.csv"),
     Slip("frequency in rad/s, header says Hz", DENSITIES, times(2.0 * np.pi, 1.0), "rad/s", file="psd.csv"),
     Slip("frequency in kHz, header says Hz", DENSITIES, times(1e-3, 1.0), "kHz|frequenc", file="psd.csv"),
     Slip("amplitude g/rtHz for a density", DENSITIES, in_place_of(r"\[g\^2/Hz\]", "[g/rtHz]"), r"g/rtHz", file="psd.csv"),

@@ -4,7 +4,9 @@ import pytest
 
 from tests.slips.__main__ import bases, slips
 from tests.slips.foreign_inputs import foreign_inputs
+from tests.slips.in_context import SLIPS as IN_CONTEXT
 from tests.slips.planting import planted, told
+from tests.slips.unusual_inputs import unusual_inputs
 
 EVERY = slips()
 PAIRS = [(slip, base) for slip in EVERY for base in slip.bases]
@@ -26,6 +28,18 @@ def test_slips_are_named(part, tmp_path, monkeypatch):
 def test_a_sample_of_slips_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert faults(PAIRS[::25], tmp_path) == []
+
+
+@pytest.mark.parametrize("slip", IN_CONTEXT, ids=lambda slip: slip.name)
+def test_a_slip_that_shows_beside_something_else_is_named(slip, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert faults([(slip, slip.bases[0])], tmp_path) == []
+
+
+def test_nothing_is_said_of_what_is_rare_and_right(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = {base.name: told(base, tmp_path / str(number)) for number, base in enumerate(unusual_inputs())}
+    assert {name: sentences for name, sentences in said.items() if sentences} == {}
 
 
 def test_nothing_is_said_of_a_fifth_of_foreign_inputs(tmp_path, monkeypatch):
