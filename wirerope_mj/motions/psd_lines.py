@@ -135,8 +135,8 @@ def doubt_of_rms(rms: float) -> str:
     if rms <= _LOUDEST:
         return ""
     return (
-        f"its rms is {rms / STANDARD_GRAVITY:.3g} g, more than shakers reach: is it in (m/s^2)^2/Hz where g^2/Hz is said, or in "
-        "m/s^2 where g is?"
+        f"its rms is {rms / STANDARD_GRAVITY:.3g} g, more than shakers reach: is it in (m/s^2)^2/Hz where g^2/Hz is said, or "
+        "in m/s^2 where g is?"
     )
 
 
