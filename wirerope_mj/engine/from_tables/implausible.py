@@ -36,13 +36,13 @@ _FAR = 8.0  # radii of gyration of a payload from its centre of mass, beyond whi
 
 def warn_of_masses(masses: Sequence[Mass]) -> None:
     """Warn of each probable slip in a table of masses, with file, row, column and remedy."""
-    for text in (*_dense(masses), *_light(masses), *_about_the_origin(masses), *_twice(masses)):
+    for text in (*_dense(masses), *_about_the_origin(masses), *_twice(masses)):
         warnings.warn(text, RecordWarning, stacklevel=3)
 
 
 def warn_of_layout(layout: Layout) -> None:
     """Warn of each probable slip in the tables of a model that shows beside the others, with file, row, column and remedy."""
-    for text in (*_stops(layout), *_in_metres(layout), *_points(layout)):
+    for text in (*_light(layout.masses), *_stops(layout), *_in_metres(layout), *_points(layout)):
         warnings.warn(text, RecordWarning, stacklevel=3)
 
 
