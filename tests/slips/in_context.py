@@ -134,6 +134,8 @@ IN_TABLES = (
     Slip("one point a digit too long", FOLDERS, cell(0, "z", times(100)), "digit too long|stands outside", POINTS),
     Slip("a row of mounts left out", FOLDERS, _without_a_mount, "row of mounts missing", MOUNTS),
     Slip("travel of a sheet in inches", SHEETS[:2], number(r"^travel_mm = ", times(1 / 25.4)), "travel in inches"),
+    Slip("one geom's mass in g", (CABINET, FLOOR),
+         put(r'(name="(?:unit_upper_3|crew_4_torso)".*mass=")(\d+)', r"\g<1>\g<2>000"), "is that in g"),
     Slip("a placeholder for the inertia", (FLOOR,), _placeholder("floor", 1900), "denser than any material"),
     Slip("a placeholder for the inertia of a rack", (CABINET,), _placeholder("rack", 850), "denser than any material"),
 )  # fmt: skip

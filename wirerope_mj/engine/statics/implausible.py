@@ -5,6 +5,7 @@ All of it can be simulated, and is warned of. Where mounts and masses stand is l
 
 from collections.abc import Sequence
 from difflib import get_close_matches
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -28,6 +29,7 @@ _LARGEST = 300.0  # distance of mounts [m] that no floor reaches: a cabinet's in
 # weight over the rated static load of all mounts together: mounts picked for a shock carry a fortieth, tonnes taken for
 # kilograms are 1000 times below; at one and a half they rest far beyond what they are made for
 _RATED = (0.02, 1.5)
+_MOST = 0.8  # of a payload, that one of its many geoms weighs for its mass to be named
 _NEWTONS = {"N": 1.0 / STANDARD_GRAVITY}  # a weight that is written for a mass, or ratings in kg
 
 
@@ -167,6 +169,19 @@ def _braked_payloads(system: System) -> list[str]:
     return said
 
 
+def _heaviest_geom(mjcf: str, mass: float) -> str:
+    """Return the end of a sentence that names the one geom of a model's text that weighs most of a mass [kg], if one does."""
+    try:
+        geoms = list(ElementTree.fromstring(mjcf).iter("geom"))
+    except ElementTree.ParseError:  # of a model that includes what stands elsewhere
+        return ""
+    weights = {geom.get("name", ""): float(geom.get("mass", "0")) for geom in geoms}
+    name = max(weights, key=weights.__getitem__, default="")
+    if len(weights) < 3 or not _MOST * mass < weights[name] <= mass:
+        return ""
+    return f" {weights[name]:.6g} kg of them are its geom {name!r} alone: is that in g?"
+
+
 def _misrated_loads(system: System) -> list[str]:
     """Return a warning for each payload whose weight is far from the rated loads of its mounts."""
     said, payloads, model = [], payloads_of(system), system.model
@@ -191,5 +206,6 @@ def _misrated_loads(system: System) -> list[str]:
             f"{significant(total)} N that these are rated for together: "
             + (f"is its mass in {' or '.join(slips)}, or " if slips else "is its mass in kg, or ")
             + "are the isolators others, or their ratings not in N?"
+            + (_heaviest_geom(system.mjcf, mass) if used > _RATED[1] else "")
         )
     return said

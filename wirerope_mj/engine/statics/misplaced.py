@@ -233,8 +233,9 @@ def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Seque
         radius = float(np.sqrt(0.5 * model.body_inertia[body].sum() / mass))
         if mass > _MAIN * total and mass > _DENSEST * (12.0**0.5 * radius) ** 3:
             yield (
-                f"body {name!r}: the moments of inertia of its <inertial> are those of {mass:.4g} kg within {1e3 * radius:.3g} "
-                "mm of its centre of mass, denser than any material: are they a placeholder, or in other units than kg m^2?"
+                f"body {name!r}: its moments of inertia are those of {mass:.4g} kg within {1e3 * radius:.3g} mm of its centre "
+                "of mass, denser than any material: are those of its <inertial> a placeholder or in other units than kg m^2, "
+                "or is a mass in g?"
             )
     radius = float(np.sqrt(0.5 * np.trace(inertia) / total)) if total else 0.0
     if free and total > _DENSEST * (12.0**0.5 * radius) ** 3:
