@@ -204,7 +204,7 @@ class PeakRow:
     notes: tuple[str, ...]  # text beside each value, such as the kind of travel
 
     def difference(self, number: int) -> float | None:
-        """Compute the relative difference of run `number` to the first; None if a value is missing or the first is zero."""
+        """Compute run `number`'s peak over the first run's, minus 1; None if one is missing or the first is zero."""
         first, value = self.values[0], self.values[number]
         if first is None or value is None or not np.isfinite([first, value]).all() or (first == 0.0 != value):
             return None
@@ -231,7 +231,7 @@ def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[
 
 
 def _peak_row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
-    """Make a row of the largest norms and their instants, or along an axis of the extremes farther from zero."""
+    """Make a row of each run's largest norm with its instant, or along an axis of the extreme farther from zero."""
     values, times = [], []
     for peak in peaks:
         value, time = (None, None) if peak is None else (peak.value, peak.time)

@@ -82,18 +82,18 @@ class Worksheet:
 
     @property
     def largest_vibration_stiffness(self) -> float | None:
-        """Kv_max of one mount for that frequency [N/m], W (2 pi f)^2 / g."""
+        """Largest vibration stiffness of one mount [N/m], Kv_max = W (2 pi f)^2 / g with f the `largest_frequency`."""
         frequency = self.largest_frequency
         return None if frequency is None else self.load * (2.0 * math.pi * frequency) ** 2 / self.gravity
 
     @property
     def smallest_travel(self) -> float | None:
-        """D_min that a spring needs to keep within the fragility [m], V^2 / AT."""
+        """Least travel D_min = V^2 / AT of a spring that transmits no more than the fragility AT [m]; V: velocity change."""
         return None if self.fragility is None else self.velocity**2 / self.fragility
 
     @property
     def largest_shock_stiffness(self) -> float | None:
-        """Ks_max of one mount for the fragility [N/m], (W / g) (AT / V)^2."""
+        """Largest shock stiffness of one mount for the fragility AT [N/m], Ks_max = (W / g) (AT / V)^2."""
         return None if self.fragility is None else self.load / self.gravity * (self.fragility / self.velocity) ** 2
 
     def amplifies(self, acceleration: float) -> bool:
@@ -105,11 +105,11 @@ class Worksheet:
         return math.sqrt(stiffness * self.gravity / self.load) / (2.0 * math.pi)
 
     def dynamic_travel(self, shock_stiffness: float) -> float:
-        """D = V / sqrt(Ks g / W) [m]."""
+        """Largest deflection under the shock [m], D = V / sqrt(Ks g / W) with the shock stiffness Ks [N/m]."""
         return self.velocity / (2.0 * math.pi * self.frequency(shock_stiffness))
 
     def acceleration(self, shock_stiffness: float) -> float:
-        """Transmitted acceleration 2 pi f V [m/s^2] with f of the shock stiffness [N/m]; GT in g is it over g."""
+        """Transmitted acceleration 2 pi f V [m/s^2], f the frequency on the shock stiffness [N/m]; in g the sheets' GT."""
         return 2.0 * math.pi * self.frequency(shock_stiffness) * self.velocity
 
     def impulse(self, shock_stiffness: float) -> float:

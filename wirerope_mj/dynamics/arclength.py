@@ -61,7 +61,7 @@ def least_solution(matrix: Array, right: Array, neutral: float = NEUTRAL) -> Arr
 
 
 def without_neutral(matrix: Array, residuals: Array, neutral: float = NEUTRAL) -> Array:
-    """Project residuals, (n,), on the directions that are not neutral."""
+    """Project residuals, (n,), on the directions whose singular values in the matrix are above `neutral`."""
     u, values, _ = np.linalg.svd(matrix, full_matrices=False)
     kept = u[:, values > neutral]
     return np.asarray(kept @ (kept.T @ residuals))

@@ -73,7 +73,7 @@ class ChannelCorrelation:
 
     @cached_property
     def event(self) -> slice:
-        """Samples of the event: either history above the inner corridor, 5 % of the measured peak, and a tenth more."""
+        """Samples from the first to the last at which a history exceeds 5 % of the measured peak, widened by a tenth."""
         measured, model = self.pair.measured, self.pair.model
         above = np.flatnonzero(np.maximum(np.abs(measured), np.abs(model)) > INNER * np.abs(measured).max())
         margin = (above[-1] - above[0]) // 10 + _LEAST_MARGIN

@@ -165,9 +165,9 @@ class Transmissibility:
 
 
 def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
-    """Estimate the transfer function S_xy / S_xx from the base to a channel (H1), of one segment for transients.
+    """Estimate the transfer function H1 = S_xy / S_xx from the base x to a channel y, measured and computed.
 
-    None where the two do not share their instants, or fewer than eight lines are left.
+    A transient is one segment. None where the two do not share their instants, or fewer than eight lines are left.
     """
     from scipy.signal import csd
 
@@ -196,9 +196,9 @@ def spectral_assurance(pair: Pair) -> float:
 
 
 def assurance(measured: ComplexArray, model: ComplexArray) -> float:
-    """Evaluate |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2): FRAC of Heylen and Lammens, ISMA 21 (1996) 17.
+    """Compare functions of frequency by the assurance criterion FRAC: 1 if they differ by a factor only, 0 if orthogonal.
 
-    1 for functions that differ by a factor, 0 for orthogonal ones.
+    |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2), H_m measured, H_c computed: Heylen and Lammens, ISMA 21 (1996) 17.
     """
     size = float(np.sum(np.abs(measured) ** 2) * np.sum(np.abs(model) ** 2))
     return float(np.abs(np.vdot(measured, model)) ** 2 / size) if size else 0.0

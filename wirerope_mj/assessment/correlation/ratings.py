@@ -84,8 +84,8 @@ def _moving_average(curve: Array) -> Array:
 def _warping_path(measured: Array, computed: Array) -> tuple[Array, Array]:
     """Pair the rows of two histories by dynamic time warping with least squares, within a band; returns the rows of each.
 
-    D(i, j) = (c_j - m_i)^2 + min(D(i-1, j), D(i, j-1), D(i-1, j-1)), computed along the diagonals i + j, whose elements do not
-    depend on each other.
+    The least cost up to a pair, D(i, j) = (c_j - m_i)^2 + min(D(i-1, j), D(i, j-1), D(i-1, j-1)), is computed along the
+    diagonals i + j, whose elements do not depend on each other.
     """
     n = measured.size
     width = max(int(_WARP * n), 1)

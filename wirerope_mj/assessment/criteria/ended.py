@@ -107,7 +107,7 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
 
 
 def _component(values: Array, criterion: Criterion) -> Array:
-    """Compute components of vectors (n_t, 3) along a criterion's axis, in its sense or both; their norm without an axis."""
+    """Compute the size of vectors (n_t, 3) along a criterion's axis, in its sense or both ways; the norm without an axis."""
     if not criterion.axis:
         return np.asarray(np.linalg.norm(values, axis=1))
     along = values[:, "xyz".index(criterion.axis)]
@@ -134,9 +134,9 @@ def too_short(response: Response) -> str:
 
 
 def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:
-    """Explain why a run of start and end [s] ends before its peaks are over; "" if it does not.
+    """Explain why a run, start and end [s], ends before its peaks are over; "" if it does not.
 
-    The motion, plain values, is over at `over` [s], NaN if it has no end; `slowest` is the slowest period for small amplitudes
+    The stored motion is over at `over` [s], NaN if it has no end; `slowest` is the slowest period for small amplitudes
     [s], NaN if it is not known: then the result is "".
     """
     start, end = run
@@ -164,8 +164,8 @@ def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
     """Withdraw the judgement of values within their limits whose peaks are not over when the run ends.
 
-    Stops and pairs of geoms that have not been touched until then are not judged either. Where a value still grows, others
-    that peaked late are not judged either: a slow mode takes up the motion, and what it drives peaks with it.
+    Stops and pairs of geoms that have not been touched until then are not judged either. Where a value still grows, no
+    other value that peaked late is judged: a slow mode takes up the motion, and what it drives peaks with it.
     """
     early, rows, numerics = too_short(response), tuple(verdicts), response.numerics
     run = response.initial_state.time, response.final_state.time

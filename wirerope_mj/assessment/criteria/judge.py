@@ -78,7 +78,7 @@ def headline(verdicts: Sequence[Verdict]) -> str:
 
 
 def contacts(verdicts: Sequence[Verdict]) -> list[tuple[str, str, list[str]]]:
-    """List the outcomes of contact pairs, of stops, and of the stops where mounts go solid, with what they are and do."""
+    """List the contact outcomes of geom pairs, of stops, and of mounts that bottom: each kind's noun, verb and outcomes."""
     mounts = {f"bottom_{row.subject}" for row in verdicts if row.criterion == BOTTOMING}
     pairs, stops, solid = list[str](), list[str](), list[str]()
     for row in (row for row in verdicts if row.contact):

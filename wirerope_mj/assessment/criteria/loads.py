@@ -117,7 +117,7 @@ def _static_load_verdict(
 
 
 def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
-    """Judge the largest force [N] of mounts, and of their stops force, closing speed [m/s] and travel in the gap [m].
+    """Judge the largest force [N] of mounts, and the force [N], closing speed [m/s] and travel in the gap [m] of their stops.
 
     () without such limits. The load of a mount is that of its foot: where a stop stands at the mount's own sites and was
     pressed, their forces together are bounded by the peaks of both, which no instant exceeds.
@@ -162,7 +162,7 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
 
 
 def stops_beside(scene: Scene, names: Collection[str]) -> list[str]:
-    """List the stops at the sites of mounts, which push on the same feet, without those that are among the names."""
+    """List the stops that stand at the same sites, and so on the same feet, as mounts; stops among `names` are left out."""
     feet = {mount.sites for mount in scene.isolating if mount.name in names}
     return [stop.name for stop in scene.stops if stop.sites in feet and stop.name not in names]
 
@@ -287,9 +287,7 @@ class AreaForce:
 def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
     """Find the largest forces on the deck of all mounts and of each area's mounts, with the stops at their sites.
 
-    Contacts of geoms are not among them.
-
-    `up`: unit vector against gravity, (3,), for "down" and "up"; z by default.
+    Contacts of geoms are left out. `up` is the unit vector against gravity, (3,), z by default.
     """
     vertical = np.array([0.0, 0.0, 1.0]) if up is None else up
     time, on_deck = response.time, [mount.name for mount in mounts_on_base(response.scene)]
@@ -326,7 +324,7 @@ class BoltLoad:
 def bolt_loads(response: Response) -> list[BoltLoad]:
     """Compute the bolt loads of every mount whose isolator states its number of bolts, the largest tension first.
 
-    They bear the forces of the stops at the mount's sites, too. The plate is rigid. A bolt has its share of the axial tension
+    The bolts bear the forces of stops at the mount's sites, too. The plate is rigid. A bolt has its share of the axial tension
     and of the force across. The force across acts at half the height: its moment pulls the bolts of one side by F h / 2 over
     their distance, shared by half of them; about its own line a row of bolts bears no moment, the plate's edges do.
     Prying and preload are left out.
@@ -358,7 +356,7 @@ def bolt_loads(response: Response) -> list[BoltLoad]:
 class StopLoad:
     """Largest force of a stop on its anchor, over every step.
 
-    Of a mount that is a stop it is the resultant of all its axes at one instant.
+    For a mount that is itself a stop, the resultant of all its axes at one instant.
     """
 
     name: str

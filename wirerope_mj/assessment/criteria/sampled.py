@@ -39,7 +39,7 @@ def sampled_text(time: Array) -> str:
 
 
 def samples_hold(response: Response) -> str:
-    """Describe the resolution of a run's samples: the highest frequency, and the fraction of the peaks that they miss."""
+    """Describe the resolution of a run's samples: the highest frequency they show, and the part of a peak they miss."""
     rate, worst, of_what = sample_rate(response.time), 0.0, ""
     for kind, peaks in (("bodies", response.peaks.bodies), ("points", response.peaks.points)):
         for name, peak in peaks.items():
@@ -92,7 +92,7 @@ DURATION_FIELDS = {
 
 
 def has_peak(stored: Entries) -> bool:
-    """Return whether the base's acceleration has a peak: False with a steady sine, or a velocity that changes at once."""
+    """Tell whether a stored motion's acceleration has a peak: not with a steady sine or a velocity step in it."""
 
     def is_sudden(part: Entries) -> bool:
         return part.get("kind") in DURATION_FIELDS and not part.get(DURATION_FIELDS[part["kind"]])
@@ -170,7 +170,7 @@ def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float
 
 
 def parabolas(values: Array) -> Array:
-    """Refine the turning points of samples (n,) by the parabolas through three of them."""
+    """Replace each turning point of samples (n,) by the vertex of the parabola through it and its neighbours."""
     refined = values.copy()
     before, middle, after = values[:-2], values[1:-1], values[2:]
     turns = (middle - before) * (after - middle) < 0.0

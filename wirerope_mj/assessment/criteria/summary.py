@@ -65,7 +65,7 @@ class MountPeak:
 
     @property
     def governing(self) -> str:
-        """Rating of the largest utilisation, "" where nothing is judged."""
+        """Rating with the largest utilisation, such as "shear"; "" where nothing is judged."""
         if self.utilisation is None:
             return ""
         return max(self.travel, key=lambda rating: self.travel[rating].utilisation or 0.0)
@@ -195,7 +195,7 @@ def contact_lines(response: Response, early: str = "") -> list[str]:
 
 
 def _listed(names: list[str], between: str = ", ") -> str:
-    """Join the first names, and the number of the others."""
+    """Join the first names, and say how many more there are."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return between.join(names[:_NAMED]) + more
 

@@ -42,7 +42,7 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
-    """Judge the travel of a mount by rating, from its extreme deflections over all steps."""
+    """Judge a mount's extreme deflections over all steps against its rated travels; returns verdicts by rating."""
     reached, verdicts = travel_reached(peak.minimum, peak.maximum), {}
     notes = _unjudged(reached, mount.travel)
     for rating, (axis, way) in RATINGS.items():
@@ -57,9 +57,9 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def _unjudged(reached: Mapping[str, Array], rated: Mapping[str, float]) -> dict[str, str]:
-    """State the reason for each rating that is not judged: it is not stated, or the mount moves farther `one_way`.
+    """Say why ratings are not judged: none is stated, or the mount moves only, and farther, in an unrated way along its axis.
 
-    One that is exceeded is judged.
+    A rating that is exceeded is judged in any case.
     """
     notes = {rating: f"no travel in {rating} is rated" for rating in RATINGS if rating not in rated}
     if lone := one_way(reached, rated):
@@ -225,7 +225,7 @@ MISSED = 0.005
 
 
 def _duration_in_all(time: Array, rows: Booleans) -> str:
-    """Write the duration of the samples in `rows`, "12 ms in all"; "" if they are too few."""
+    """Write the duration of the samples that are True in `rows`, "12 ms in all"; "" if they are too few."""
     count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a very short run has one sample
     return f"{duration_text(count * spacing)} in all" if count >= _LEAST_SAMPLES else ""

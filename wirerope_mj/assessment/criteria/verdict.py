@@ -201,9 +201,9 @@ def payload_bodies(response: Response) -> list[str]:
 def limits_by_name(
     response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str], others: Sequence[str] = ()
 ) -> dict[str, PayloadLimit]:
-    """Choose the limits of one kind by name: the given limits, else the model's; `others` are not listed in an error.
+    """Choose the limits of one kind, the given or else the model's, by the name of the body, point or mount limited.
 
-    ValueError if a limit names neither a known subject nor one of `others`.
+    ValueError, which lists the `known` names, if a limit names none of these and none of `others`.
     """
     chosen = [limit for limit in (response.scene.limits if limits is None else limits) if limit.kind == kind]
     for limit in chosen:

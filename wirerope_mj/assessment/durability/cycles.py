@@ -215,7 +215,7 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
 def _raise_levels(
     points: Points, duration: float, step: float, wanted: tuple[Array, Array], exponent: float, q: float
 ) -> tuple[Points, Array]:
-    """Raise a density's levels until each playing does the wanted damage at all frequencies; returns also the ratio.
+    """Raise a density's levels until each simulated history (playing) does the wanted damage; returns also damage over it.
 
     A density determines the mean damage of many playings. A playing of seconds has few lines in the width of an oscillator,
     begins at rest, and its largest cycles are rare, the more so the larger the exponent is.

@@ -214,7 +214,7 @@ def frequency_response(
     system: System, options: ResponseOptions, *, name: str = "", report: Callable[[str], None] | None = None,
     keep: Path | None = None, progress: bool = False,
 ) -> FrequencyResponse:  # fmt: skip
-    """Compute the branches and envelopes of a response at several levels.
+    """Compute branches of periodic motions and envelopes of sweeps at several levels of the base's acceleration.
 
     Args:
         system: the system.

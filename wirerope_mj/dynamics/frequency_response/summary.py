@@ -23,7 +23,7 @@ FRACTIONS = (0.35, 0.7)  # fractions of the highest amplitude at which motions a
 
 @dataclass(frozen=True, kw_only=True)
 class BranchCurve:
-    """A branch interpolated to a fine curve, in its own order."""
+    """A fine curve of amplitude over frequency, interpolated between the points of a branch in their order."""
 
     frequency: Array  # [Hz], (n,)
     amplitude: Array  # of the payload [m/s^2], (n,)
@@ -32,13 +32,13 @@ class BranchCurve:
 
     @cached_property
     def runs(self) -> list[slice]:
-        """Segments over which the frequency rises or falls throughout."""
+        """Segments of the curve, as rows, over which the frequency rises or falls throughout."""
         turned = np.flatnonzero(np.diff(np.sign(np.diff(self.frequency))) != 0.0) + 1
         ends = [0, *turned.tolist(), self.frequency.size - 1]
         return [slice(a, b + 1) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
 
     def amplitudes_at(self, frequency: Array) -> list[tuple[Array, Booleans]]:
-        """Interpolate amplitude and stability at frequencies [Hz], (m,), on every run; NaN where a run does not reach."""
+        """Interpolate amplitude and stability at frequencies [Hz], (m,), on each of `runs`; NaN beyond its ends."""
         branches = []
         for run in self.runs:
             f, a, s = self.frequency[run], self.amplitude[run], self.stable[run]
@@ -50,7 +50,7 @@ class BranchCurve:
 
 
 def curve_of(branch: Branch) -> BranchCurve:
-    """Interpolate the curve through the points of a branch.
+    """Interpolate amplitude over frequency between the points of a branch.
 
     Akima's spline in the length along the branch, of frequency and amplitude in logarithms: it does not ring at the kinks
     that the payload's largest acceleration has where another crest becomes the highest.
@@ -71,7 +71,7 @@ def curve_of(branch: Branch) -> BranchCurve:
 
 
 def relative_steps(f: Array, a: Array) -> Array:
-    """Compute the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
+    """Compute the distances between successive points (f, a), each coordinate over its range, (n - 1,)."""
     return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))
 
 
@@ -104,7 +104,7 @@ def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Integers:
 
 
 def busiest_loops(response: Response) -> list[tuple[str, int]]:
-    """Rank mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
+    """Rank force-deflection loops by work per period, the most first: names of mounts, and axes (0 roll, 1 shear, 2 axial).
 
     In vibration the work shows which mounts move: the utilisation of the rated travel is mostly that of the sag.
     """
@@ -190,6 +190,7 @@ class SweepJump:
 
     @property
     def past_fold(self) -> float:
+        """Distance of the jump beyond the fold, relative to the fold's frequency [-]."""
         return self.frequency / self.fold - 1.0
 
 
@@ -259,7 +260,7 @@ class LevelSummary:
 
     @property
     def isolation_text(self) -> str:
-        """Say from where on the payload is isolated, or why no frequency is named."""
+        """Clause on the frequency above which the payload is isolated, or on why there is none."""
         if math.isfinite(self.isolation):
             return f"isolates from {self.isolation:.4g} Hz on"
         if not self._transmissibilities:

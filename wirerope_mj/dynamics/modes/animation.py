@@ -32,7 +32,7 @@ class ModeAnimation:
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:
-    """Animate the modes of `system` about the position of rest, enlarged; forces are as in small cycles."""
+    """Animate one mode of `system` after the other, enlarged, about its position of rest; forces are those of small cycles."""
     rest = linearise(system, modes.equilibrium)
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]
@@ -96,7 +96,7 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
 
 
 def _peak(values: Array) -> Peak:
-    """Find the extremes over all rows, with instants of zero."""
+    """Find the extremes of vectors (n_t, 3); their instants are written as 0."""
     sizes = np.linalg.norm(values, axis=1)
     at = int(np.argmax(sizes))
     zero = np.zeros(3)

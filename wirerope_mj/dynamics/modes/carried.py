@@ -34,10 +34,10 @@ class Carried:
 
 
 def carried(system: System, modes: Modes) -> Carried:
-    """Compute the frequencies of modes at an amplitude about the deflections that carry the weight, with unchanged shapes.
+    """Compute frequencies of modes in cycles about the deflections at which their mean force carries the weight.
 
-    Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
-    estimate.
+    Shapes are unchanged. Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes
+    that is exact, else an estimate.
     """
     if modes.amplitude is None:
         raise ValueError("`modes` must be at an amplitude: cycles of small amplitude have the mean force of rest.")

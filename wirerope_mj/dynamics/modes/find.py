@@ -72,7 +72,7 @@ def iterate(
     stiffness: Callable[[Array, float], ComplexArray], rest: AtRest, known: Array, mode: int, start: tuple[float, Array],
     tolerance: float = TOLERANCE,
 ) -> tuple[float, Array, ComplexArray]:  # fmt: skip
-    """Iterate eigenvalue, shape and complex stiffness of a mode, with the stiffness for its own shape and frequency.
+    """Find eigenvalue, shape and complex stiffness of a mode by iteration: the stiffness follows from shape and frequency.
 
     Two modes of nearly one frequency mix easily, and may swap without end; then each keeps its known shape, whose Rayleigh
     quotient is right to the second order of the shape's error. `known` are the shapes of all modes for small
@@ -96,7 +96,7 @@ def iterate(
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Judge the stability against tipping by the mounts' stiffness, `tangent` and on further `loading`, (n, n) each."""
+    """Judge the stability against tipping from the mounts' stiffness: `tangent` at rest, and on further `loading`, (n, n)."""
     model, stiffness = system.model, rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass, rest.motions)
 
@@ -231,7 +231,7 @@ def _descriptions(system: System, rest: AtRest, values: Array, shapes: Array) ->
 
 
 class _Springs:
-    """Complex stiffness of a system at rest and of its mounts, by shape, amplitude and frequency."""
+    """Complex stiffness of a system about rest, which depends on the shape, amplitude and frequency of the motion."""
 
     def __init__(self, rest: AtRest) -> None:
         self.rest = rest
@@ -252,12 +252,12 @@ class _Springs:
         return total
 
     def _mount_stiffness(self, name: str, amplitude: Array, frequency: float) -> ComplexArray:
-        """Evaluate the complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,), as (n, n)."""
+        """Evaluate the complex stiffness, (n, n), that a mount adds in cycles of signed amplitudes along its axes [m], (3,)."""
         mount = self.rest.mounts[name]
         return np.asarray(mount.jacobian.T @ _finite(name, mount.cycles(amplitude, frequency)) @ mount.jacobian)
 
     def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
-        """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at an eigenvalue."""
+        """Evaluate the complex stiffness in `shape`, scaled to a largest mount deflection `amplitude` [m], at an eigenvalue."""
         frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # an eigenvalue <= 0 has no frequency
         return self.held(self.scaled(shape), amplitude, frequency)
 

@@ -23,9 +23,9 @@ Evaluated = Callable[[float, float, Array], tuple[float, Array]]  # force and ra
 
 
 def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[float, float]:
-    """Evaluate the slopes of the force just after `deflection`, falling and rising [N/m].
+    """Evaluate the slopes of a law's force as the deflection begins to fall, and to rise, from `deflection` [N/m].
 
-    Exact for every rate-independent law: dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
+    Exact for every rate-independent law F(x, z): dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
     """
     evaluated = _evaluator(law)
     elastic, (force, _) = _slope(evaluated, deflection, states), evaluated(deflection, 0.0, states)
@@ -188,8 +188,11 @@ ROUNDS, ALIKE = 100, 1e-10
 def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
     """Evaluate the stiffness of two coupled axes on further loading and on unloading [N/m], (2, 2) each.
 
-    With w = z / z_m and its unit vector e:  dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y), c = 1 on loading and
-    1 - 2 sigma on unloading; F2 multiplies the axial row, and the loop's energy adds its own. Where the axes' energies z_m x_y
+    With the bounds z_m of the forces z, the yield deflections x_y, w = z / z_m and its unit vector e:
+
+        dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y),   c = 1 on loading and 1 - 2 sigma on unloading;
+
+    the axial row is multiplied by F2 = exp(b x), and a rope loop's energy adds its stiffness. Where the axes' energies z_m x_y
     or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up. `z` are the hysteretic forces [N], those
     of roll on every scale, then those of the other axis, (2 n_scales,).
     """
@@ -247,7 +250,7 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
 
 
 def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array:
-    """Evaluate the stiffness of the loop's elastic energy over deflection + amplitude cos [N/m], (2, 2); both with signs [m].
+    """Evaluate the stiffness of a rope loop's elastic energy in the cycle deflection + amplitude cos(w t) [N/m], (2, 2).
 
     Times the amplitude it is the first harmonic of the force: the mean of the second derivatives with the weight 2 sin^2.
     """
@@ -306,7 +309,7 @@ def _elastic_force(law: Law, x: Array | float) -> Array:
 
 
 def _slope_at_force(law: Law, x: float, z: float) -> float:
-    """Evaluate the slope of F2 (z + F1) at a fixed hysteretic force z [N/m]."""
+    """Differentiate the force exp(b x) (z + F1(x)) by the deflection x, hysteretic force z held [N/m]; F1: `_elastic_force`."""
     k1, k2, k3 = elastic_of(law)
     slope = float(k1 + 2.0 * k2 * abs(x) + 3.0 * k3 * x * x)
     exponent = asymmetry_of(law)
@@ -354,7 +357,7 @@ class MountAtRest:
         return stiffness
 
     def cycles(self, amplitude: Array, frequency: float) -> ComplexArray:
-        """Evaluate stiffness + i * loss [N/m], (3, 3), of closed cycles about rest with amplitudes with signs [m], (3,)."""
+        """Evaluate stiffness + i * loss [N/m], (3, 3), of closed cycles about rest with signed amplitudes along the axes."""
         stiffness, coupled = np.zeros((3, 3), dtype=np.complex128), self.isolator.coupled
         axes = list(self.isolator.coupled_axes)
         for axis, law in enumerate(self.isolator.axes.values()):

@@ -51,7 +51,10 @@ class AtRest:
 
 @dataclass(frozen=True, kw_only=True)
 class Pressed:
-    """Mass, damping and stiffness of contacts and limits that act at rest, by MuJoCo's force = -D (J a + b J v + k I d)."""
+    """Mass, damping and stiffness of contacts and limits that act at rest, by MuJoCo's force on a constraint.
+
+    force = -D (J a + b J v + k I d) with the jacobian J, acceleration a, velocity v, depth d; D, b, k and I are MuJoCo's.
+    """
 
     names: tuple[str, ...]  # of those given by a time constant, which stand for rigid contact and not for springs
     rows: Array  # J of the named ones, (n_rows, n)
@@ -236,9 +239,9 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
 
 
 def description_of(system: System, rest: AtRest, shape: Array) -> str:
-    """Name the components that hold most of the kinetic energy of a shape (n,), largest first.
+    """Name the motions of payloads that hold most of the kinetic energy of a mode shape (n,), largest first.
 
-    A body that moves against its payload's lowest one, as if that were rigid, is a component, too.
+    A body's motion relative to its payload, that moving rigidly with its lowest body, is named, too.
     """
     model = system.model
     energy = float(shape @ rest.mass @ shape)

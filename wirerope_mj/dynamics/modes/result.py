@@ -14,7 +14,7 @@ AMPLE = 3.0  # gravity factor from which a payload is called stable; less is cal
 
 
 def paired(likeness: Array) -> Integers:
-    """Pair modes with others so that the sum of their likeness (n, n) is largest: the column of each row, (n,)."""
+    """Pair rows with columns of a likeness (n, n) of modes so that its sum is largest; returns the column of each row, (n,)."""
     # not `scipy.optimize`, which takes five times as long to import; a weight of 0 would exclude a pair
     matched = scipy.sparse.csgraph.min_weight_full_bipartite_matching(scipy.sparse.csr_array(2.0 - likeness))
     return np.asarray(matched[1])

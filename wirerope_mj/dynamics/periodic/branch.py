@@ -151,7 +151,7 @@ class Branch(Summarised):
         return int(np.argmax(self.amplitude))
 
     def orbit(self, index: int) -> PeriodicOrbit:
-        """Make the periodic motion of a point of the branch again."""
+        """Compute the periodic motion at a point of the branch anew, with its time history."""
         index = range(self.frequency.size)[index]
         coordinates = Coordinates(self.system, direction=self.direction, history=self.history)
         carried = coordinates.carried(float(self.frequency[index]), float(self.acceleration[index]))

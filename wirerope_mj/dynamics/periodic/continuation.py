@@ -44,7 +44,7 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
-    """A fold or a change of stability between two points, and the multiplier that passes the unit circle there."""
+    """A fold or a change of stability between two points, and the Floquet multiplier that crosses the unit circle there."""
 
     kind: Kind
     multiplier: complex
@@ -57,17 +57,18 @@ class Continuation:
     def __init__(
         self, search: OrbitSearch, *, parameter: Parameter, held: float, periods: int, unit: float, tolerance: float
     ) -> None:
-        """Prepare to follow `parameter`, the other one held at `held`; `unit` of ln p is one unit of arclength."""
+        """Prepare to follow `parameter` p, frequency or acceleration, the other `held`; arclength 1 is `unit` of ln p."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.held, self.periods, self.unit, self.tolerance = held, periods, unit, tolerance
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
+        """Make the base's sine at a value of the parameter; `steps`, if given, replaces the chosen number of steps."""
         frequency, acceleration = (value, self.held) if self.parameter == "frequency" else (self.held, value)
         drive = self.search.drive(frequency, acceleration, self.periods)
         return drive if steps is None else replace(drive, steps=steps)
 
     def point(self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0) -> Point:
-        """Make the point of a periodic motion, its tangent with the sense of the tangent `before`, or with `sign` along p."""
+        """Make the branch's point at a periodic motion; its tangent has the sense of `before`, else `sign` along p."""
         matrix, n = self._matrix(motion, value), motion.x.size
         return Point(
             shot=motion, parameter=value, matrix=matrix, corrections=corrections, width=self.flow.width,
@@ -95,7 +96,7 @@ class Continuation:
         return np.append(np.full(n, 1.0 / (CHANGE * math.sqrt(n))), 1.0)
 
     def turned(self, point: Point, slope: float, change: Array) -> Point:
-        """Turn the tangent of a point in the sense of the branch there: of its slope in ln p, or of the change of x."""
+        """Reverse a point's tangent where it points against the branch: against `slope` in ln p, or if small `change` of x."""
         along = float(point.tangent[-1]) * slope
         if abs(slope) < UNCLEAR:
             along = float(point.tangent[:-1] @ (change / point.shot.scale))

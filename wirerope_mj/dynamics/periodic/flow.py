@@ -45,11 +45,11 @@ class Flow(ABC):
 
     @property
     def steps(self) -> int:
-        """Model steps taken so far, forward passes counted as quarters."""
+        """Steps of single copies so far; an evaluation of the accelerations without a step counts as a quarter."""
         return self.taken + self.passes // 4
 
     def smooth(self, width: float) -> None:
-        """Smooth the laws over a velocity [m/s]."""
+        """Smooth the sign of the rate in the laws over a velocity `width` [m/s]."""
         self.width = width
 
     @abstractmethod
@@ -58,7 +58,7 @@ class Flow(ABC):
 
     @abstractmethod
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Step copies from their starts to their ends through the drive's periods, (n, n_x) each; NaN where one diverged."""
+        """Step copies of the system through the drive's periods; returns their ends, (n, n_x), NaN where one diverged."""
 
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
@@ -93,7 +93,7 @@ class MujocoFlow(Flow):
             yield
 
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Step copies as in `Flow.ends`, at most as many as the batch holds."""
+        """Step copies of the system, at most as many as the batch holds, to their ends, (n, n_x), NaN where one diverged."""
         copies = np.arange(len(starts))
         carried = self._begin(starts, drive)
         for _ in self._tables(copies, drive):
@@ -115,7 +115,7 @@ class MujocoFlow(Flow):
         return Track(end=end, sensors=sensors, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def _begin(self, starts: Array, drive: Drive) -> Array:
-        """Put the copies at their starts; returns the state that the unknowns are relative to."""
+        """Put the copies at their starts; returns the equilibrium's state carried by the base, from which unknowns count."""
         carried, n = self.coordinates.carried(drive.frequency, drive.acceleration), len(starts)
         self._batch.state[:n] = [self.coordinates.to_state(start, carried) for start in starts]
         self._timestep[:n] = drive.duration / drive.steps
@@ -124,7 +124,7 @@ class MujocoFlow(Flow):
         return carried
 
     def _tables(self, copies: Integers, drive: Drive) -> Iterator[None]:
-        """Prepare the base's motion for one block of steps after the other; `_table_steps` is the number of its steps."""
+        """Write the base's motion for one block of `_table_steps` steps after the other, and yield after each."""
         done, motion, n = 0, drive.sine(self.coordinates.direction), copies.size
         step, table = drive.duration / drive.steps, self.system.assembly.tables.drive
         origin = self.model.qpos0[self._driven_qpos]
@@ -213,7 +213,7 @@ class KernelFlow(Flow):
         return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def differences_about(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
-        """Write the changes of accelerations, rates and deflections beside a motion at the start of every step.
+        """Write how accelerations, rates and deflections change with displacements from a motion, at every step's start.
 
         `moves` are displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a);
         `wanted` the `addresses` of the kept values, with factors, (n_wanted,); `out` takes the changes in its last rows and
@@ -244,7 +244,7 @@ class KernelFlow(Flow):
         return np.concatenate([lay[kernel.RHS] + free, states])
 
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
-        """Locate the deflection of the axis of each state in the record, and the axis' first parameter, (n,) each."""
+        """Locate each state's deflection in the kernel's memory and its law's first parameter in the numbers, (n,) each."""
         lay, axes = self._equations.lay, self._axes
         owner, firsts = np.repeat(np.arange(len(axes)), axes[:, 3]), np.repeat(axes[:, 2], axes[:, 3])
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
@@ -254,7 +254,7 @@ class KernelFlow(Flow):
         return lay[kernel.RECORD] + kernel.RECORD_SIZE * mount + axis, lay[kernel.PARAMETERS] + axes[row[states], 1]
 
     def _step_lanes(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
-        """Step at most WIDTH copies to their ends, NaN where one diverged; returns also its cause, 0 without one."""
+        """Step at most WIDTH copies to their ends, NaN where one diverged; returns also each failure's cause, 0 without."""
         coordinates = self.coordinates
         carried = coordinates.carried(drive.frequency, drive.acceleration)
         full = np.array([coordinates.to_state(start, carried) for start in starts])

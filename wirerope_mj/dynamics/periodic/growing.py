@@ -182,7 +182,7 @@ class GrowingBranch:
         return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
     def _pass_fold(self, a: Point, b: Point, length: float) -> Point | None:
-        """Continue past a fold between two points that is not a jump; None if it is a jump."""
+        """Continue past the fold between two points if a motion beyond is nearly as large; None if a sweep would jump there."""
         event = self.path.event(a, b, length)
         assert event is not None
         row = self._row(event.point)
@@ -195,7 +195,7 @@ class GrowingBranch:
         return point
 
     def _pass_turn(self, point: Point) -> Point | None:
-        """Continue beyond the farthest point if the branch goes back on itself; None if it does not."""
+        """Continue beyond the farthest point if the branch retraces itself from there to `point`; None if it does not."""
         farthest = back_on_itself(self.options, self.rows, self._row(point))
         if farthest is None or farthest == self._jump:
             return None

@@ -65,7 +65,7 @@ def width_indices(system: System) -> Integers:
 
 
 def widths_of(laws: AnyArray, parameters: Array) -> Integers:
-    """Find the indices of the widths among the parameters, of laws, rows (number, first parameter), and of their parts."""
+    """Find the indices of smoothing widths in `parameters` of `laws`, rows (kernel number, first parameter), and parts."""
     widths = []
     for law, first in laws.astype(int).tolist():
         widths += [first] if law == SMOOTHED else []
@@ -77,7 +77,7 @@ def widths_of(laws: AnyArray, parameters: Array) -> Integers:
 
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """Factors of the scaled equation of all unknowns over pairs of steps; the rate has one sign in a pair, that of its path."""
+    """Factors of the linear equation of the scaled unknowns, by pairs of steps, in each of which a rate keeps one sign."""
 
     scale: Array  # phi / alpha at the three instants of every pair, 1 for unscaled unknowns, (n_pairs, 3, n)
     gain: Array  # factor of the rate's change, (n_pairs, 3, n)
@@ -95,7 +95,7 @@ class Slopes:
 
 
 class ScaledStates:
-    """The internal states of a system that follow Bouc-Wen's equation uncoupled, and their factors along a motion."""
+    """Hysteretic states of uncoupled Bouc-Wen laws, which are scaled by their own slope, and the factors of that."""
 
     def __init__(self, system: System) -> None:
         rows, parameters, smoothed, offsets = [], [], [], []
@@ -121,14 +121,14 @@ class ScaledStates:
 
     @property
     def serve(self) -> bool:
-        """True if all of the system's states are scaled, or any is steep (n < 1): then the variational equation is preferred.
+        """True if the variational equation is preferred: a state is steep (n < 1), or all internal states are scaled.
 
-        It takes account of reversals between steps, which the columns of the stepped map do not.
+        It takes account of reversals between steps, which differences of the stepped map do not.
         """
         return bool(self.steep.any()) or 0 < self.states.size == self._system.model.na
 
     def along(self, track: Track, width: float, first: int) -> Slopes:
-        """Evaluate the factors along a motion; `first` is the index of the first internal state among the unknowns."""
+        """Evaluate the factors over a period; `first` is the index of the first internal state among the unknowns."""
         x = mount_deflections(self._system, track)[:, self.mounts, self.axes]
         z = track.act[:, self.states]
         pairs, h = len(x) // 2, track.drive.duration / len(x)
@@ -165,7 +165,7 @@ class ScaledStates:
         )  # fmt: skip
 
     def _factors(self, z: Array, v: Array, sign: Array, width: float) -> tuple[Array, Array, Array]:
-        """Evaluate phi / alpha, gain and decay of the scaled states z at rates `v`, in segments with the given sign of v."""
+        """Evaluate the factors scale (phi / alpha), gain and decay of states z at rates `v`, where v has the given sign."""
         n, size = self._n, np.abs(z)
         side, power = np.where(z >= 0.0, 1.0, -1.0), size**n
         with np.errstate(divide="ignore"):

@@ -123,7 +123,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """An integrated motion: unknowns at its end, (n_x,), and values of the engine at the start of every step.
+    """Time history of an integrated motion: unknowns at its end, (n_x,), and the engine's values at the start of every step.
 
     sensors are the system's sensor values (n_steps, n_s); qpos, qvel and act the engine's state, (n_steps, n_q|n_v|n_a).
     """
@@ -156,7 +156,7 @@ def mount_deflections(system: System, track: Track) -> Array:
 
 
 def ranges(system: System, track: Track) -> Ranges:
-    """Measure the half ranges of deflections, rates and internal states over a track."""
+    """Measure the half ranges of deflections, rates and internal states over a motion."""
     deflection = mount_deflections(system, track)
     kinds = np.full(system.model.na, "", dtype="<U1")  # first letters of names: z are forces, others have other units
     for mount in system.mounts.values():
@@ -184,7 +184,7 @@ def largest(values: Array) -> float:
 
 
 def amplitude(values: Array) -> float:
-    """Find the largest absolute value of a periodic series (n_t,), refined as in `largest`."""
+    """Find the largest absolute value of a periodic series (n_t,), refined by a parabola."""
     return max(largest(values), largest(-values))
 
 

@@ -208,7 +208,7 @@ class OrbitSearch:
         return changed or abs(wanted - width) > SAME_WIDTH * wanted
 
     def derivative(self, flow: Flow, at: Shot) -> Array:
-        """Compute the scaled monodromy matrix for Newton's method, (n_x, n_x)."""
+        """Compute the monodromy matrix for Newton's method: derivatives of a motion's scaled end by its start, (n_x, n_x)."""
         phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
         return monodromy(flow, at) if phi is None else phi
 

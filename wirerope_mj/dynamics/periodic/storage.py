@@ -138,6 +138,7 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
 
 
 def fingerprint(system: System) -> str:
+    """Hash model, isolators and changes of a system, to recognise the branch of another system."""
     isolators = {name: isolator.to_dict() for name, isolator in system.isolators.items()}
     content = system.mjcf + json.dumps(isolators, sort_keys=True, default=str)
     content += "".join(json.dumps(changes.to_dict(), sort_keys=True, default=str) for changes in system.changes)

@@ -160,7 +160,7 @@ class MujocoVariational(Variational):
         return all(self._around(at_shot, part, base, out) for part in parts)
 
     def _around(self, at_shot: Shot, instants: Integers, base: Array, out: Array) -> bool:
-        """Fill A at some instants; False where a constraint is active."""
+        """Write the scaled A at some instants from differences of MuJoCo's forward passes; False if a constraint is active."""
         track, scale, coordinates, nf = at_shot.track, at_shot.scale, self.flow.coordinates, self._free.size
         count, shape, assembly = instants.size * self.passes, (instants.size, self.passes, -1), self.system.assembly
         step = DIFFERENCE * scale

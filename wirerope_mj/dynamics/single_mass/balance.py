@@ -85,7 +85,7 @@ class Balance:
         return np.concatenate([[0.5 * spectrum[0].real], spectrum[1:].real, -spectrum[1:].imag])
 
     def residual(self, u: Array, omega: float, acceleration: float) -> Array:
-        """Evaluate R over m a, (2 H + 1,); for a law without a preferred position the first is that of zero mean deflection."""
+        """Evaluate the residual over m a, (2 H + 1,); of a law without a preferred position the first demands zero mean."""
         r = self.force(u, omega) - (self.orders * omega) ** 2 * self.mass * u
         r[self.harmonics + 1] += self.mass * acceleration
         r[0] = u[0] * self.mass * omega**2 if self.neutral else r[0] + self.mass * self.gravity

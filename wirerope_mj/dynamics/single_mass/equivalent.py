@@ -44,7 +44,7 @@ class EquivalentOscillator:
 
     @property
     def damping(self) -> float:
-        """Equivalent viscous coefficient W / (pi w D^2) [N s/m]."""
+        """Equivalent viscous coefficient W / (pi w D^2) [N s/m]: W work of a cycle, w angular frequency, D amplitude."""
         return self.energy / (2.0 * np.pi**2 * self.frequency * self.amplitude**2)
 
     @property

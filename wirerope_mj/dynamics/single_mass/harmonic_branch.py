@@ -149,7 +149,7 @@ class _TrialPoint:
 
 @dataclass(frozen=True)
 class _Point:
-    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega."""
+    """A solution on the branch, in units of the size of its deflection, and 1 for the logarithm of omega."""
 
     y: Array  # unknowns and the logarithm of omega, (n + 1,)
     scale: Array  # units, (n + 1,)

@@ -82,7 +82,7 @@ class ByMujoco:
 
 
 class ByKernel:
-    """A system that the kernel steps through cycles, until it fails.
+    """A system that the kernel steps through cycles, as far as it can.
 
     The kernel tracks no channel that is fixed to the base: for these the base's acceleration is tracked, as the last row.
     """
@@ -153,7 +153,7 @@ class ByKernel:
         return final_state(self._system, self._start, self._group.states[:, 0], self.time)
 
     def _snapshot(self) -> tuple[Array, Array, Array, Array]:
-        """Copy the state, the clock, the recent vectors of all channels and the base's memory."""
+        """Copy the state, the clock, the recent vectors of all channels and the extremes of the base's acceleration."""
         group, lay = self._group, self._group.equations.lay
         recent = group.memory[lay[kernel.RECENT] : lay[kernel.RECENT] + kernel.RECENT_SIZE * lay[kernel.N_CHANNELS], 0]
         return group.states[:, 0].copy(), group.clock.copy(), recent.copy(), self._base.copy()
@@ -280,7 +280,7 @@ class Steady:
 
 
 def settle(system: System, motion: Sine, start: State, *, timestep: float, settled: float, largest_cycles: int) -> Steady:
-    """Step a system under a sine until all bodies' amplitudes are within `settled` of their limits, or `largest_cycles`."""
+    """Step a system under a sine until bodies' amplitudes are within `settled` of steady values, or for `largest_cycles`."""
     bodies = Channels.of(system).bodies
     chunks: list[Extremes] = []
     cycles, agreeing, remaining = 0, 0, np.inf  # agreeing: successive checks that found the amplitudes settled
@@ -303,7 +303,7 @@ def settle(system: System, motion: Sine, start: State, *, timestep: float, settl
 
 
 def distance_to_limit(amplitudes: Array) -> float:
-    """Estimate the largest relative distance of the amplitudes of successive cycles, (n, m), from their limits.
+    """Estimate how far the amplitudes of successive cycles, (n, m), are from their steady values, the largest, relative.
 
     The cycles are cut into quarters, and the first, in which transients mix, is left out. If the means of the other three
     change by d1 and then by d2, an exponential through them is d2 r / (1 - r) from its limit, r = d2 / d1, however small d2

@@ -27,7 +27,7 @@ RAN_AWAY = 10.0  # deflection over a law's finite travel from which it is an ove
 
 @dataclass(frozen=True, kw_only=True)
 class Channels:
-    """Indices of the peak tracker's channels."""
+    """Indices (channels) of the vectors whose peaks are tracked: accelerations of base and bodies, deflections of mounts."""
 
     base: int  # channel of the driven base's acceleration
     names: tuple[str, ...]  # names of the bodies that move and are not fixed to the base, payloads first

@@ -73,7 +73,7 @@ def starting_state(system: System, *, history: History, initial: State | None) -
 def chosen_step(
     system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
 ) -> ChosenStep:
-    """Check the step if it is given, or choose one that keeps the accuracy in pilots along the motion."""
+    """Check the step if it is given, or choose one that keeps `accuracy` in short trial simulations along the motion."""
     if timestep is None:
         rate = SAMPLES_PER_CYCLE / motion.shortest_time
         chosen = choose_timestep(
@@ -119,7 +119,7 @@ def frequency_sweep(
             sweep begins at once.
         largest_cycles: number of cycles after which that wait ends.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
-        accuracy: error of samples and peaks allowed in pilots along the sweep, relative to the peaks.
+        accuracy: error of samples and peaks allowed in short trial runs along the sweep, relative to the peaks.
         out: folder to which the table of the envelope is streamed, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
         direction: refused: the sweep states the base's.
@@ -225,7 +225,7 @@ def stepped_sine(
         history: equilibrium from which the system starts.
         initial: a state to start from instead.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
-        accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
+        accuracy: error of samples and peaks allowed in short trial runs over the frequencies, relative to the peaks.
         out: folder to which the table is written, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
 

@@ -138,7 +138,7 @@ class UserData:
             object.__setattr__(self, part, address)
 
     def mount_rows(self, user: Array) -> Array:
-        """Return deflection and force of every mount from the system's userdata, a view, (..., n_mounts, 2, 3)."""
+        """View deflection and force of every mount in the system's userdata, (..., n_mounts, 2, 3)."""
         return user[..., self.mounts : self.rates].reshape(*user.shape[:-1], self.n_mounts, 2, 3)
 
     def channel_rows(self, user: Array) -> Array:

@@ -18,9 +18,10 @@ _ROUND = 1e-5  # of the largest entry, by which single precision and reduction l
 
 
 def read_matrices(paths: Sequence[Path], n_points: int) -> tuple[Array, Array, int]:
-    """Read K and M of Craig and Bampton's form in the files' units, and the number of coordinates of each boundary point.
+    """Read stiffness and mass matrix of Craig and Bampton's form in the files' units; returns also coordinates per point.
 
-    These stand before the modes. RecordError unless both are there, whole and in that form.
+    Rows of the boundary points, 3 or 6 each, stand before those of the modes. RecordError unless both matrices are there,
+    whole and in that form.
     """
     matrices: dict[str, Array] = {}
     for path in paths:
@@ -71,7 +72,7 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> tuple[Array, Array, i
 def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, damping: float) -> tuple[FlexiblePart, Array]:
     """Build a flexible part from Craig-Bampton matrices, and return with it the mass that can move along x, y, z [kg].
 
-    Points whose column "held" says yes are fixed to the base; the modes are those of the rest, K phi = omega^2 M phi, and
+    Points whose column "held" says yes are fixed to the base; the modes are those of all else, K phi = omega^2 M phi, and
 
         Gamma = phi^T (M r),   r = 1 along an axis at every boundary point, 0 of the modes
 

@@ -123,7 +123,7 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
 
 
 def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) -> dict[str, tuple[str, dict[str, str], Array]]:
-    """Read a table of points by name: location in the file, cells and position [m]; columns node and held are optional.
+    """Read a table of points: by name location in the file, cells and position [m]; columns node and held are optional.
 
     Of bulk text the points are its grid points, of `nodes` those among them, called by their numbers.
     """

@@ -74,8 +74,9 @@ class FlexiblePart:
     def below(self, frequency: float, *, residual: bool = False) -> Self:
         """Return the part without its modes above a frequency [Hz]; ValueError if none is left.
 
-        With `residual` vectors their static compliance stays: what unit forces at the points, and a motion of the base, deflect
-        them by, orthogonal to each other, as modes of their own; those by which no compliance changes by 0.1 % are left out.
+        With `residual`, the static compliance of the modes left out is kept by residual vectors: their static deflections under
+        unit forces at the points and under a motion of the base, made orthogonal, added as modes. Vectors that change no
+        compliance by 0.1 % are left out.
         """
         kept, omega = (self.frequencies <= frequency) & ~self.residual, 2.0 * np.pi * self.frequencies
         if not kept.any():
@@ -100,7 +101,7 @@ class FlexiblePart:
         return np.asarray((self.shapes[point] ** 2).T @ (2.0 * np.pi * self.frequencies) ** -2.0)
 
     def nearest(self, place: Array) -> str:
-        """Return the name of the point at a place in the part's axes [m]; ValueError if there is none within 1 mm."""
+        """Return the name of the point at a position (3,) in the part's axes [m]; ValueError if there is none within 1 mm."""
         name = min(self.points, key=lambda point: float(np.linalg.norm(self.points[point] - place)))
         away = float(np.linalg.norm(self.points[name] - place))
         if away > NEAR:

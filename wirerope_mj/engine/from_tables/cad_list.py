@@ -29,7 +29,7 @@ _BESIDE = (
 
 
 def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
-    """Translate the column names of a CAD program's list to names of a table of masses; unknown names become `BESIDE`.
+    """Translate the column names of a CAD program's list to those of a table of masses; columns to be skipped get `BESIDE`.
 
     SolidWorks' L are moments about the centre of mass; where they stand, its I, at the origin, are not read.
     """
@@ -50,8 +50,8 @@ def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
 def sign_of_products(rows: Sequence[Row], products: str) -> float:
     """Return the sign convention of products of inertia: 1 for elements of the tensor, -1 for +sum x y dm.
 
-    A list of a CAD program, whose columns are not called as a table's, does not say which; SolidWorks' L are +sum x y dm, and
-    about the centre of mass, unless it is told otherwise. A warning says what is taken.
+    A CAD program's list, which has other column names than a table, does not say which; SolidWorks' L are +sum x y dm, about
+    the centre of mass, unless an option of SolidWorks is changed. A warning says what is taken.
     """
     written = {name: text for name, text in rows[0].written.items() if name != BESIDE}
     sign = -1.0 if products == POSITIVE else 1.0

@@ -58,6 +58,7 @@ def warn_of_radians(rows: Sequence[Row]) -> None:
 
 
 def _dense(masses: Sequence[Mass]) -> Iterator[str]:
+    """Yield a warning of each part that is denser than any material, by its mass and radius of gyration."""
     for mass in masses:
         properties = mass.properties
         radius = math.sqrt(max(0.5 * float(properties.inertia.trace()), 0.0) / properties.mass)
@@ -106,6 +107,7 @@ def _about_the_origin(masses: Sequence[Mass]) -> Iterator[str]:
 
 
 def _twice(masses: Sequence[Mass]) -> Iterator[str]:
+    """Yield warnings of a last row that is the total of the others, and of parts that stand in the table twice."""
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
     mass_of_others = sum(mass.properties.mass for mass in masses[:-1])
     if len(masses) > 2 and abs(last.properties.mass - mass_of_others) < _SAME * mass_of_others:
@@ -123,6 +125,7 @@ def _twice(masses: Sequence[Mass]) -> Iterator[str]:
 
 
 def _stops(layout: Layout) -> Iterator[str]:
+    """Yield warnings of stops far from the mounts, of gaps, stiffness and damping that are probably in other units."""
     weight = combine([mass.properties for mass in layout.masses]).mass * STANDARD_GRAVITY
     places = np.array([mount.position for mount in layout.mounts])
     apart = max(float(np.linalg.norm(np.ptp(places, axis=0))), _LEAST)

@@ -80,7 +80,7 @@ def why_impossible(inertia: Array) -> str:
 
 @dataclass(frozen=True)
 class Sprung:
-    """How a subassembly stands in the payload: natural frequency alone [Hz], damping ratio, the axis along which it moves."""
+    """Spring of a subassembly in the payload: its natural frequency [Hz], damping ratio, the axis along which it moves."""
 
     frequency: float
     damping: float

@@ -129,7 +129,7 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
 
 
 def read_table(kind: str, path: Path) -> object:
-    """Read one table of a model, as `read_layout` does; a table of stops with that of the mounts beside it, if there is one."""
+    """Read and check one table of a model alone; stops at mounts are placed by a table of mounts beside it, if there is one."""
     if kind == "masses":
         return read_masses(path)
     if kind == "mounts":
@@ -162,6 +162,7 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
 
 
 def _read_stops(path: Path, isolators: dict[str, Path | VendorPart], mounts: Sequence[Placed]) -> tuple[Placed, ...]:
+    """Read the table of stops; those with the same law, stated by gap and stiffness, share the name of an isolator."""
     needed, further = COLUMNS["stops"]
     rows = read_sheet(path, kind="table of stops", needed=needed, further=further)
     laws: dict[tuple[StopLaw, str], str] = {}
@@ -278,7 +279,7 @@ def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> 
 
 
 def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
-    """Read the masses of a table, or of a CAD program's text, .txt; `products` as `read_layout` has it.
+    """Read the masses of a table, or of a CAD program's text, .txt; `products` is the notation of products of inertia.
 
     Raises:
         RecordError: says file, row and column that are wrong.
@@ -300,6 +301,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
 
 
 def _mass(row: Row, sign: float) -> Mass:
+    """Read and check one row of a table of masses; `sign` is that of its products of inertia as elements of the tensor."""
     name, mass = row.text("name"), row.number("mass")
     if row.number("quantity", 1.0) != 1.0:
         raise row.error(

@@ -50,7 +50,7 @@ HERE = Pose(origin=np.zeros(3), quaternion=np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 class Bodies:
-    """Bodies of a model as links, and where each body is in its link."""
+    """Bodies of a model grouped into links (moving bodies with all that is welded to them), and each body's pose in a link."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model = model
@@ -77,7 +77,7 @@ class Bodies:
 
 
 def modelled_pose(bodies: Bodies, number: int) -> Pose:
-    """Return the pose of a link that never turns, as modelled."""
+    """Return the modelled pose, in the world, of a link that never turns."""
     parent, pose = bodies.on_parent(bodies.links[number])
     if parent == len(bodies.links):
         return pose

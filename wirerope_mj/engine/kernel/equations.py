@@ -48,7 +48,7 @@ class Equations:
 
     @property
     def key(self) -> bytes:
-        """Bytes that must be equal for systems to share lanes."""
+        """Bytes that are equal for systems whose equations differ in numbers only, so that they can be stepped side by side."""
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr((self.counts, self.loaded)).encode()
 
 
@@ -116,7 +116,7 @@ def equations_of(system: System) -> Equations:
 
 
 def _sections(lay: Integers, *, largest: int) -> None:
-    """Write where the sections of the working memory begin."""
+    """Write into the header where the sections of the kernel's working memory begin, and its size."""
     tangents, states = 2 * lay[at.NV] + lay[at.N_STATES], lay[at.NQ] + lay[at.NV] + lay[at.N_STATES]
     sizes = {
         at.KIN: at.KIN_SIZE * (lay[at.N_LINKS] + 1), at.WRENCH: 6 * (lay[at.N_LINKS] + 1), at.SUB: 6 * lay[at.NV],
@@ -135,7 +135,7 @@ def _sections(lay: Integers, *, largest: int) -> None:
 
 
 def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
-    """Return the rows of the links, the world's last, and their kinds."""
+    """Return the table of the links, row by row, the world's last, and the kind of each link."""
     model = bodies.model
     rows: list[list[int]] = []
     kinds: list[int] = []
@@ -163,6 +163,7 @@ def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[l
 
 
 def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Writer) -> list[list[int]]:
+    """Return the table of the velocity coordinates, row by row; constants go to `fix`, springs to `num`."""
     model, driven = system.model, system.assembly.driven_dofs
     rows = []
     for dof in range(model.nv):
@@ -191,6 +192,7 @@ def spring_of(model: mujoco.MjModel, dof: int) -> tuple[float, float, float]:
 
 
 def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer) -> list[list[int]]:
+    """Return the table of the kinematic trees, row by row; its kind says how a tree's equations are solved."""
     model = bodies.model
     trees = model.body_treeid[bodies.links]
     rows = []
@@ -223,7 +225,7 @@ def inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
 def _mounts(
     system: System, bodies: Bodies, kinds: list[int], places: dict[int, int], fix: Writer, num: Writer
 ) -> tuple[list[list[int]], list[list[int]]]:
-    """Return the rows of the mounts, and their runs."""
+    """Return the tables of the mounts and of their runs: successive mounts between the same two links."""
     tables = system.assembly.tables
     rows: list[list[int]] = []
     runs: list[list[int]] = []
@@ -264,7 +266,7 @@ def to_equation_axes(bodies: Bodies, kinds: list[int], link: int) -> Array:
 
 
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
-    """Return the integers among the parameters, which tell how to read the numbers behind them."""
+    """Return the integers among the laws' parameters, on which the meaning of the numbers behind them depends."""
     par = tables.parameters
     counts: list[int] = []
 
@@ -292,7 +294,7 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
 
 
 def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer, num: Writer) -> list[list[int]]:
-    """Return the rows of the observed bodies and points."""
+    """Return the table of the observed bodies and points, row by row."""
     model, assembly = system.model, system.assembly
     tables, rows = assembly.tables, []
     base = assembly.subjects.base

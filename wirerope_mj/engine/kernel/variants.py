@@ -25,7 +25,7 @@ NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 
 class _Changed:
-    """A model with some arrays of its own."""
+    """A model in which some arrays are replaced; all else is the original's."""
 
     def __init__(self, model: mujoco.MjModel, arrays: dict[str, Array]) -> None:
         self._model = model
@@ -62,7 +62,7 @@ class Numbers:
         self._moving = set(moving_bodies(model))
 
     def of(self, changes: Changes) -> Array | None:
-        """Return the numbers of a variant from its changes, (n_num,); None if its structure may differ.
+        """Return the numbers of a variant's equations from its changes, (n_num,); None if its structure may differ.
 
         They have the bits of those in `equations_of` of that variant.
         """
@@ -183,7 +183,7 @@ def same_structure(law: Law | None, other: Law | None) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant."""
+    """Variants that are stepped side by side, one to a lane of the arrays; surplus lanes repeat the last variant."""
 
     equations: Equations  # of the first variant
     numbers: Array  # of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`
@@ -199,7 +199,7 @@ class Group:
         return self._section(at.FAILED, at.LOADS)[0, : self.size]
 
     def channels(self, number: int) -> Array:
-        """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""
+        """Return the peaks of one variant's tracked vectors, (n_channels, ...), laid out as in `engine.control.layout`."""
         return self._section(at.MEMORY, at.TOUCHED)[:, number].reshape(-1, control.CHANNEL_MEMORY)
 
     def stops(self, number: int) -> Array:
@@ -233,7 +233,7 @@ class Group:
 
 
 def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:
-    """Return a group of at most WIDTH variants with the states (n, n_states) they start from, and their motions."""
+    """Group at most WIDTH variants: their equations, start states (n, n_states), and the number of each one's motion."""
     size = len(equations)
     lanes = np.minimum(np.arange(WIDTH), size - 1)
     first = equations[0]

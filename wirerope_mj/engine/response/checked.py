@@ -61,6 +61,7 @@ class Metadata:
             raise ValueError("`states` must be of one size, the first and the last.")
 
     def _check_scene(self, mounts: Sequence[str]) -> None:
+        """Raise ValueError unless bodies, mounts, limits and geoms of the scene fit the response and each other."""
         bodies = [body.name for body in self.scene.bodies]
         if not all(bodies.count(name) == 1 for name in self.bodies):  # bodies without a name may be several
             raise ValueError(f"`scene` `bodies` must name each of {', '.join(self.bodies)} once, got {', '.join(bodies)}.")
@@ -88,7 +89,7 @@ class Metadata:
 
 
 def read_metadata(content: Entries, columns: Sequence[str], place: Place) -> Metadata:
-    """Rebuild what `response_metadata` stored in `content`; the error of `place` if it does not describe these columns."""
+    """Rebuild a response's metadata from its stored `content`; raises the error of `place` unless it fits these columns."""
 
     def peak(value: object, place: Place) -> Peak:
         numbers = value if isinstance(value, list) and all(type(number) in (int, float) for number in value) else []

@@ -34,7 +34,7 @@ _UNITS = {
 
 
 def block_rows(columns: int) -> int:
-    """Return the number of rows in a block of some columns."""
+    """Return the number of rows to be read at once from so many columns."""
     return min(BLOCK_ROWS, max(1, BLOCK_NUMBERS // max(columns, 1)))
 
 

@@ -128,9 +128,9 @@ class Response(Exportable, Summarised):
         return np.asarray(np.einsum("tji,tj->ti", turn, apart) - (modelled - centre))
 
     def velocity_from_base(self, position: Array, velocity: Array, swing: Array | float = 0.0) -> Array:
-        """Return the rate of `displacement_from_base` of a point at `position` [m/s], (n_t, 3).
+        """Return the velocity of a point at `position` relative to the base, in base axes [m/s], (n_t, 3).
 
-        Its velocity is that of its body's centre and what it has by the body's rotation, `swing`, (n_t, 3) each.
+        The point's own is that of its body's centre, `velocity`, plus that by the body's rotation, `swing`, (n_t, 3) each.
         """
         if (turn := self.base_rotation) is None:
             return velocity - self.base.velocity + swing
@@ -180,9 +180,9 @@ def response_metadata(plan: ColumnPlan, parts: Entries) -> Entries:
 
 @lru_cache(maxsize=8)
 def _footer(path: Path, state: tuple[int, ...]) -> "pq.FileMetaData":
-    """Read the footer of a file, which locates its columns; slow where there are thousands of them.
+    """Read the footer of a Parquet file, which locates its columns, once: that is slow with thousands of columns.
 
-    By the `state` of a file it is told from one that has taken its place.
+    `state` differs for another file of the same path, which is then read anew.
     """
     import pyarrow.parquet as pq
 

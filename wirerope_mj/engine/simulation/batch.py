@@ -79,6 +79,8 @@ class BatchFailure:
 
 @dataclass(frozen=True, kw_only=True)
 class _Variant:
+    """A variant of a batch: its number, system, base motion and start state."""
+
     number: int
     system: System
     motion: BaseMotion
@@ -209,7 +211,7 @@ def _variants(
 def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
 ) -> dict[int, BatchResult | BatchFailure]:
-    """Step variants through one grid, by the kernel where it can, and return results by variant number."""
+    """Step variants through one time grid, by the kernel or else by MuJoCo, and return results by variant number."""
     asked = "it was asked for" if engine == "mujoco" else ""
     why = {v.number: asked or unsupported_run(v.system, v.motion) for v in variants}
     results: dict[int, BatchResult | BatchFailure] = {}
@@ -225,7 +227,7 @@ def _together(
 def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
-    """Compute variants by the kernel; returns results, and the reasons why it gave up the others, by number."""
+    """Compute variants by the kernel; returns results, and for variants that it gave up the reasons, by variant number."""
     recorders = [Recorder(variant.system, variant.motion, grid, None) for variant in variants] if responses else []
     done = run_in_lanes(
         [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], grid, threads=threads,
@@ -263,6 +265,7 @@ def _by_mujoco(
 
 
 def _result(variant: _Variant, grid: TimeGrid, done: RunResult, kept: Recorder | None) -> BatchResult | BatchFailure:
+    """Make the result of a variant that ran to its end; a failure if a mount left the range of its law."""
     try:
         require_lawful(variant.system, done.peaks)
     except SimulationError as error:
@@ -282,9 +285,9 @@ def peaks_on_decks(
     system: System, motion: BaseMotion, panels: Sequence[Panel], *, duration: float, timestep: float, initial: str,
     sample_rate: float,
 ) -> list[Peaks | str]:  # fmt: skip
-    """Simulate a system on panels that differ in frequency alone; returns the peaks on each, or why there are none.
+    """Simulate a system on deck panels that differ in frequency alone; returns the peaks on each, or the message of its error.
 
-    The other arguments are those of `simulate`; `timestep` is that of the run on the rigid deck.
+    `timestep` is that of the run on the rigid deck, and is shortened where a panel needs it.
     """
     first = on_deck(system, panels[0])
     systems = [varied(first, tunings={NAME: panel.frequency / panels[0].frequency}) for panel in panels]

@@ -128,9 +128,9 @@ def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
 
 
 def _accelerations(system: System, states: Array, base: Array, loads: Array) -> Array:
-    """Return accelerations and state rates, (n, nv + n_states), at states (n, n_state) and base accelerations (n, 3 or 6).
+    """Compute by the kernel accelerations and state rates, (n, nv + n_states), at states (n, n_state) of a system.
 
-    Forces and moments at the sites for them are the same in all, (6 n_forces,).
+    `base` are accelerations of the base, (n, 3 or 6); the forces and moments at sites, `loads` (6 n_forces,), are common.
     """
     kernel_equations, model, accelerations = equations(system), system.model, []
     driven = model.nq + np.array(system.assembly.driven_dofs, dtype=int)
@@ -146,9 +146,9 @@ def _accelerations(system: System, states: Array, base: Array, loads: Array) -> 
 
 
 def _relative_difference(expected: Array, got: Array) -> float:
-    """Return the largest difference between columns of one kind, each relative to its largest value.
+    """Return the largest difference between the columns of two arrays (n, m), each relative to its largest value.
 
-    What is a millionth of the largest column or less is rounding, and relative to that.
+    A column below a millionth of the largest one is rounding: its differences are relative to that millionth.
     """
     scale = np.abs(expected).max(axis=0)
     scale = np.maximum(scale, 1e-6 * scale.max(initial=0.0))
@@ -158,7 +158,7 @@ def _relative_difference(expected: Array, got: Array) -> float:
 
 
 def _compare_runs(system: System, qvel: Array, step: float) -> float:
-    """Compare samples of a short run from the modelled geometry, and return the largest relative difference by kind."""
+    """Compare kernel and MuJoCo over a short run; returns the largest difference of samples over the largest of their kind."""
     model, tables = without_constraints(system.model), system.assembly.tables
     direction = np.linalg.pinv(tables.drive).sum(axis=1) if len(tables.drive) else np.array([0.0, 0.0, 1.0])
     motion = Sine(frequency=0.05 / step, acceleration=10.0, direction=tuple(direction))
@@ -191,9 +191,9 @@ def compute(
     system: System, motion: BaseMotion, grid: TimeGrid, start: State, *, engine: Engine, callback: Kind,
     sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
 ) -> RunResult:  # fmt: skip
-    """Step a system as `wirerope_mj.engine.simulation.run.run` does, by the kernel where it can.
+    """Step a system through a time grid, by the kernel where it can, else by MuJoCo; `sink` takes the samples.
 
-    `sink` may be given samples again from the first on.
+    It may be given samples again from the first on, where the kernel gives up and MuJoCo begins anew.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
@@ -245,7 +245,7 @@ def run_in_lanes(
     systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], grid: TimeGrid, *, threads: int = 1,
     sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> list[RunResult | str]:  # fmt: skip
-    """Step variants through a grid by the kernel (`go_in_lanes`); returns each result, or why the kernel gave it up."""
+    """Step variants through a time grid by the kernel; returns each one's result, or the reason why the kernel gave it up."""
     states = np.array([start.values[moving_indices(system)] for system, start in zip(systems, starts, strict=True)])
     done = go_in_lanes(
         [equations(system) for system in systems], drive_of(systems[0]), motions, states, grid, threads=threads,

@@ -55,7 +55,7 @@ class TimeGrid:
     sample_times: Array  # sample instants [s], (n_t,); the last may be the end of the last segment
 
     def blocks(self) -> Iterator[Grid]:
-        """Yield grids that follow each other."""
+        """Yield the segments of the run in consecutive blocks."""
         samples, corners = self.sample_times, self.corners
         low, high = np.searchsorted(corners, [self.start - SAME_TIME, self.stop + SAME_TIME])
         corners = corners[low:high]
@@ -135,7 +135,7 @@ def _events(motion: BaseMotion, times: Array) -> Array:
 
 
 def divide_intervals(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:
-    """Cut the intervals between instants [s] into equal steps, and long intervals into segments of one stage table each.
+    """Cut the intervals between instants [s] into equal steps, and long intervals into segments of at most `MAX_STEPS` steps.
 
     Returns start and stop [s], number of steps, and interval of every segment, (n_p,) each.
     """

@@ -28,7 +28,7 @@ _ROWS, _MOVED = ("start", "stop", "steps", "sampled", "event"), ("positions", "r
 
 @dataclass(frozen=True, kw_only=True)
 class InLanes:
-    """Variants at the end of a grid."""
+    """Variants that were stepped side by side to the end of a time grid, and the peaks of their base motions."""
 
     groups: list[tuple[Group, list[int]]]  # the variants side by side, and those of each group by their numbers
     base_peaks: list[Peak]  # peak of the base's acceleration of every distinct motion
@@ -57,10 +57,9 @@ def go_in_lanes(
     equations: Sequence[Equations], drive: Drive, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
     threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> InLanes:  # fmt: skip
-    """Step variants side by side through a grid, from qpos, qvel and act, (n, n_state), with each motion's events.
+    """Step variants side by side through a time grid, from `states`, their qpos, qvel and act, (n, n_state).
 
-    `sink` takes the samples if they are wanted, `progress` the simulated
-    time [s] now and then.
+    `sink` takes the samples if they are wanted, `progress` the simulated time [s] now and then.
     """
     check_callbacks()
     distinct, which = distinct_motions(motions)
@@ -120,7 +119,7 @@ def _advance(
     grids: Sequence[Array], moved: Sequence[Array], ends: Integers, samples: int, done: int, sink: Sink | None,
     group: tuple[Group, list[int]],
 ) -> None:  # fmt: skip
-    """Step a group through segments, given the grid's rows for each motion, (5, n), and the base's motion at their ends."""
+    """Step a group of variants through segments; `grids` holds the rows of `advance`, `moved` the base's, motion by motion."""
     (lanes, numbers), (positions, rates, accelerations) = group, moved
     out = np.empty((lanes.size, samples, lanes.equations.n_values)) if sink is not None else NOTHING
     lanes.step(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)

@@ -23,10 +23,10 @@ def print_line(line: str) -> None:
 
 
 class Estimate:
-    """What some work takes in all, said once where that is long: "study: about 40 s, 1.2 GB of memory, 300 MB of disk".
+    """Time, memory and disk that a task takes, said once if it is long: "study: about 40 s, 1.2 GB of memory, 300 MB of disk".
 
-    The speed is measured from the end of the first part that is done, if that is small. Within `work_after`, all is what takes
-    from the begin of that block to the end of what comes after it.
+    The speed is measured from the end of the first part that is done, if that is small. Within a block of `work_after`,
+    the task lasts from the begin of that block to the end of the work after it.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Estimate:
         self.began = perf_counter()
 
     def update(self, fraction: float, say: Callable[[str], None] = print_line) -> None:
-        """Take the completed fraction, and say what all takes once that is known and is more than ten seconds."""
+        """Take the completed fraction; say the estimate, once, as soon as the speed is known, if it exceeds ten seconds."""
         now = perf_counter()
         if self.said or not self.begun < fraction < 1.0:
             return
@@ -53,12 +53,12 @@ class Estimate:
                 self.whole.said = True
 
     def seconds(self, left: float = 0.0) -> float:
-        """Estimate the time of all [s]: what has passed, what is left, and what comes after, as slow as all was so far."""
+        """Estimate the whole time [s]: passed, `left`, and that of the work after it, slowed down as the work so far was."""
         passed, processor = perf_counter() - self.began, process_time() - self.processor
         return passed + left + self.after * max(passed / processor if processor > 0.0 else 1.0, 1.0)
 
     def say(self, seconds: float, say: Callable[[str], None] = print_line) -> None:
-        """Say what all takes if that is long."""
+        """Say that the task takes `seconds`, with its memory and disk, if that is long."""
         self.said = seconds >= SAID
         if self.said:
             memory = memory_taken() + self.memory + (self.whole.memory if self.whole else 0.0)
@@ -72,7 +72,7 @@ _whole: ContextVar[Estimate | None] = ContextVar("_whole", default=None)
 
 @contextmanager
 def work_after(word: str, seconds: float, *, memory: float, enabled: bool) -> Iterator[None]:
-    """Have the estimates of bars in the block hold what comes after it, `seconds` of a processor and `memory` [B].
+    """Let estimates of progress bars in the block include the work after it: `seconds` of processor time and `memory` [B].
 
     Where no bar of the block took long enough for an estimate, it is said at the end of the block.
     """
@@ -94,11 +94,11 @@ def share_bar(
     word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = "",
     memory: float = 0.0, disk: float = 0.0,
 ) -> Iterator[Update]:  # fmt: skip
-    """Say what the block takes, and show a value with its unit, the completed fraction and the remaining time while it runs.
+    """Show a progress bar while the block runs, an estimate of its whole time, and a value with its unit.
 
     All on standard error: an `Estimate`, and a bar, or where standard error is no terminal, as in a batch job, a line now and
-    then. `begun` is the fraction that was done before; `total` the number of `parts` of which what is done is counted; `memory`
-    and `disk` are those of the estimate. Yields what to call with fraction and value.
+    then. `begun` is the fraction that was done before; `total` the number of `parts`, of which those done are counted; `memory`
+    and `disk` are those of the estimate. Yields the function to call with the completed fraction and the value.
     """
     if not enabled:
         yield lambda fraction, value: None

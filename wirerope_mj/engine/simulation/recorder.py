@@ -132,7 +132,7 @@ class Recorder:
                 self._written = first
 
     def _complete_rows(self, rows: int) -> Array:
-        """Complete the first rows of the block with instants, base and gaps."""
+        """Write instants, base motion and gaps of contacts into the first rows of the block of samples; returns these rows."""
         times = self._times[self._written : self._written + rows]
         self._block[:rows, 0] = times
         for column, part in enumerate((self._motion.displacement, self._motion.velocity, self._motion.acceleration)):
@@ -179,7 +179,7 @@ def column_plan(system: System) -> ColumnPlan:
 
 
 class Gaps:
-    """Gaps between the geoms of declared pairs where samples place them: spheres beside planes and boxes by closed forms."""
+    """Gaps of the model's declared geom pairs at the samples: of spheres to planes and boxes by closed forms, else MuJoCo's."""
 
     def __init__(self, system: System) -> None:
         self._model, subjects = system.model, system.assembly.subjects

@@ -86,6 +86,7 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
 
 
 def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
+    """Write a contact's record from its row of the callback's memory."""
     force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
     return replace(
         contact, touches=int(row[at.TOUCHES]), from_start=bool(row[at.FROM_START]),
@@ -196,7 +197,7 @@ def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
 
 
 def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
-    """Return a sentence on each deck whose highest mode is below twice the highest frequency of the base motion."""
+    """Return a sentence on each flexible deck whose highest mode is below twice the highest frequency of the base motion."""
     model, parts = system.model, dict[str, list[float]]()
     for mode in system.assembly.subjects.modes:
         if mode.owner == system.assembly.subjects.base and not mode.residual:
@@ -214,7 +215,7 @@ def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
 def highest_frequency(motion: BaseMotion) -> float:
     """Compute the highest frequency of a base motion [Hz]: stated of steady vibration, from the spectrum of shocks.
 
-    Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
+    For a shock, the part `WITHIN` of the energy of its acceleration lies below it. 0 for a jump of the velocity alone.
     """
     highest = 0.0
     for part in motion.parts:

@@ -52,10 +52,10 @@ def stable_step(system: System) -> float:
 
 
 def yield_rates(system: System, *, steep: bool = True) -> Array:
-    """Return n / x_y of the state that yields first on each mount axis [1/m], (n_mounts, 3); 0 without hysteresis.
+    """Return the largest n / x_y, exponent over yield deflection, of each mount axis [1/m], (n_mounts, 3); 0 if not hysteretic.
 
-    Near its bound a Bouc-Wen state goes back there at that times the rate of the deflection [1/s]. `steep`: whether states
-    with n < 1 on axes of their own count.
+    A Bouc-Wen state near its bound tends to it at this times the rate of the deflection [1/s]. `steep`: whether states with
+    n < 1 on axes that are not coupled count.
     """
     rates = np.zeros((len(system.mounts), 3))
     for number, mount in enumerate(system.mounts.values()):
@@ -70,7 +70,7 @@ def yield_rates(system: System, *, steep: bool = True) -> Array:
 def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     """Estimate the decay of the fastest hysteretic state towards its bound over a step [-]; see `yield_rates`.
 
-    Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
+    The deflection rate of a mount with the travel d is estimated as sqrt(a d), a the largest acceleration of a payload.
     """
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
     moving = [name for name in system.payloads if name in peaks.bodies]  # one may be fixed, to drive the base
@@ -94,7 +94,7 @@ def _slowest_of(eigenvalues: ComplexArray) -> Array:
 
 
 class VariantRates:
-    """Rates of the own motion of variants of a system, whose mounts may be shifted, and bounds of the fastest.
+    """Bounds of the fastest, and periods of the slowest, natural motions of a system's variants, whose mounts may be shifted.
 
     With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
     c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
@@ -155,7 +155,7 @@ class VariantRates:
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))
 
     def slowest_periods(self, numbers: Array, rates: Array, shifts: Array) -> Array:
-        """Return `slowest_period` of variants [s], (n,), of what `certainly_stable` takes; NaN where mounts resist turning."""
+        """Return the period of each variant's slowest mode [s], (n,); NaN where mounts resist turning."""
         if self._turns or not self._free.size:
             return np.full(len(numbers), np.nan)
         stiffness, damping = self._matrices(numbers, rates[:, 3], rates[:, 4], shifts)

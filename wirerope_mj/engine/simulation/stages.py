@@ -22,7 +22,7 @@ POINTS = 4096
 
 
 class RunningPeak:
-    """Extremes of the norm and of the components of a vector, which are zero before the first block."""
+    """Running extremes of a vector's norm and components over blocks of instants; zero before the first block."""
 
     def __init__(self) -> None:
         self._norm = (0.0, 0.0)  # value and instant, as in the next two
@@ -76,9 +76,9 @@ def _extreme(times: Array, values: Array, i: int) -> tuple[float, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """The base in one segment, as `Stages` has it: positions and rates (n_driven,), accelerations (2 steps + 1, 3).
+    """Base motion in a segment: positions and rates at its start, (n_driven,), accelerations at half steps, (2 steps + 1, 3).
 
-    At the same instants `turns` are the second derivatives of roll, pitch and yaw, (2 steps + 1, 3), and `forces` forces and
+    At the same half steps `turns` are the second derivatives of roll, pitch and yaw, (2 steps + 1, 3), and `forces` forces and
     moments on the payload, (2 steps + 1, n_forces, 6), or nothing.
     """
 
@@ -92,7 +92,7 @@ class Segment:
 
 @dataclass(frozen=True, kw_only=True)
 class Stages:
-    """The base in segments that follow each other.
+    """Base motion in consecutive segments, at the stages (half steps) of their Runge-Kutta steps.
 
     At a corner, velocity and accelerations are those inside the segment.
     """
@@ -109,7 +109,7 @@ class Stages:
 
 
 def along_slides(drive: Array, vectors: Array) -> Array:
-    """Map base vectors (n, 3) to the driven slides, (n, n_driven).
+    """Map vectors of the base's motion (n, 3) to coordinates of its driven slides, (n, n_driven).
 
     Not a matrix product: its rounding depends on how many vectors are multiplied at once.
     """
@@ -119,7 +119,7 @@ def along_slides(drive: Array, vectors: Array) -> Array:
 
 @dataclass(frozen=True)
 class Drive:
-    """Coordinates of the base's slides and hinges from a motion."""
+    """Matrices that map a base motion to the coordinates of the base's slides and hinges."""
 
     slides: Array  # `Tables.drive`, (n_driven, 3)
     hinges: Array  # `Tables.turning`, (n_driven, 3)
@@ -144,10 +144,10 @@ def drive_of(system: System) -> Drive:
 
 
 class StageTables:
-    """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
+    """Base motion at the half steps of all Runge-Kutta steps, tabulated block by block, and its peak acceleration so far."""
 
     def __init__(self, motion: BaseMotion, drive: Drive, sites: Sequence[str] = ()) -> None:
-        """Prepare the stage tables of a motion; forces may act at `sites`."""
+        """Prepare the tables of a base motion; forces may act at `sites`."""
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
         self._sites = sites if motion.loaded_sites else ()
 
@@ -157,7 +157,7 @@ class StageTables:
         return self._running.peak
 
     def blocks(self, grid: Grid) -> Iterator[Stages]:
-        """Yield the stage tables of all segments of a grid, many at once, cut at fixed numbers of steps."""
+        """Yield the base motion in all segments of a grid, many segments at once."""
         points = 2 * grid.steps + 1
         total, first, begin, end = np.cumsum(points), 0, 0, 0
         low = grid.start + np.where(grid.event != SMOOTH, SAME_TIME, 0.0)
@@ -200,7 +200,7 @@ def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], l
 
 
 def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
-    """Return a key that is equal for motions whose segments have the same events."""
+    """Return a key that is equal for motions with the same corners and velocity jumps, and so the same time grid."""
     return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
 
 
@@ -212,7 +212,7 @@ def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
 
 
 def _half_steps(start: Array, stop: Array, points: Integers, low: Array, high: Array) -> Array:
-    """Return the instants of the half steps of segments, one segment after the other, clipped to `low` and `high`."""
+    """Return the instants of all half steps, one segment after the other, kept between each segment's `low` and `high`."""
     if (points == points[0]).all():  # as in most blocks: the same with rows for segments, and four times as fast
         fraction = np.arange(float(points[0])) / (points[0] - 1)
         rows = start[:, np.newaxis] + (stop - start)[:, np.newaxis] * fraction

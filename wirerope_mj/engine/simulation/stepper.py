@@ -1,4 +1,4 @@
-"""A system on its way through a time grid: start, preparation of every segment, and meaning of MuJoCo's warnings."""
+"""Stepping a system by MuJoCo: its start state, preparation of every segment, and what MuJoCo's warnings mean."""
 
 import copy
 import math
@@ -48,7 +48,7 @@ HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
 
 
 class Stepper:
-    """A copy of a system's model with its data, taken from segment to segment of one grid after the other."""
+    """A copy of a system's model and its data, stepped by MuJoCo through the segments of a time grid."""
 
     def __init__(self, system: System, motion: BaseMotion, initial: State) -> None:
         self.system, self.motion, self._grid = system, motion, Grid.empty()
@@ -64,6 +64,7 @@ class Stepper:
         self._checked = state_of(self.model, self.data).values
 
     def enter(self, grid: Grid) -> None:
+        """Check the steps so far, and go over to the next block of the time grid."""
         self.check()  # a second look at earlier segments needs the grid that they belong to
         self._grid = grid
 
@@ -218,7 +219,7 @@ def acceleration_before(motion: BaseMotion, time: float) -> Array:
 
 
 def keep_momentum(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array, turn: Array) -> None:
-    """Keep the momentum of what rides on the base through joints while the base's velocity jumps by `jump` [m/s], (3,).
+    """Keep the momentum of bodies that are jointed to the base while the base's velocity jumps by `jump` [m/s], (3,).
 
     The rates of roll, pitch and yaw jump by `turn` [rad/s], (3,).
 
@@ -332,7 +333,7 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
 
 
 def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -> None:
-    """Move every tree of the model by `shift` [m] and `velocity` [m/s] as far as the joints at its root allow."""
+    """Add `shift` [m] and `velocity` [m/s] to every tree of bodies, as far as the joints at its root allow."""
     model = system.model
     modal = {mode.body for mode in system.assembly.subjects.modes}  # their coordinates are relative to the base
     mujoco.mj_kinematics(model, data)

@@ -27,7 +27,7 @@ _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
 
 
 class Stepwise:
-    """A system on its way from one instant to the next, its base's acceleration and its loads held in between."""
+    """A system that is stepped from instant to instant; between two, its base's acceleration and its loads are constant."""
 
     def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
         """Begin at the instant `start` [s] in one of the named start states of `simulate`, with a largest step [s].

@@ -1,4 +1,4 @@
-"""Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
+"""Choosing the step before the run by pilots, short trial simulations, whose step is halved until samples and peaks agree."""
 
 import math
 from collections.abc import Callable
@@ -61,7 +61,7 @@ WINDOWED = 0.5
 class ChosenStep:
     """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer.
 
-    `done` is what came of the run with this step and its samples, where a pilot was the whole run.
+    `done` is the result of the run with this step, and its samples, where a pilot (trial simulation) was the whole run.
     """
 
     timestep: float
@@ -79,7 +79,7 @@ def error_of_given(
     system: System, motion: BaseMotion, start: State, *, decay: float, timestep: float, duration: float, sample_rate: float,
     engine: Engine = "auto",
 ) -> float:  # fmt: skip
-    """Estimate the error of a given step relative to the peaks, by a pilot run with half of it.
+    """Estimate the error of a given step relative to the peaks, by short trial simulations with this step and half of it.
 
     NaN where that fails, or hysteretic states decay by little over the step, see `decay_over_step`.
     """
@@ -95,7 +95,7 @@ def choose_timestep(
     system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
     engine: Engine = "auto", longest: float = math.inf, progress: Callable[[float], None] = lambda fraction: None,
 ) -> ChosenStep:  # fmt: skip
-    """Halve the step until pilot runs keep samples and refined peaks within `accuracy`, and return it with its error.
+    """Halve the step until short trial runs (pilots) keep samples and refined peaks within `accuracy`; returns also the error.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
     is short, else windows of it that start from `start`. The errors of two pilots are estimated by `_errors`, and the coarser
@@ -179,9 +179,9 @@ def _errors(difference: float, before: float) -> tuple[float, float]:
 def _longer(
     pilots: "_Pilots", fine: "list[_Pilot] | None", step: float, error: float, wanted: float, finer: float = 1.0
 ) -> ChosenStep | None:
-    """Return a step between `step` and its double, which failed, if second-order convergence makes it accurate enough.
+    """Return a step between `step` and its double, which was too long, if it is accurate enough; None otherwise.
 
-    `fine` are pilots with `finer` times the step.
+    Its error is estimated by second-order convergence against `fine`, trial runs with `finer` times `step`.
     """
     factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
     if factor <= 1.15:
@@ -198,15 +198,15 @@ def _longer(
 
 
 def _with_pilot(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> ChosenStep:
-    """Attach the pilot to a step if it was the whole run and is small enough to be kept."""
+    """Attach the trial run's result to a step if that run was the whole one and is small enough to be kept."""
     kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
     return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
 
 
 def _most_accurate(tried: list[ChosenStep]) -> ChosenStep:
-    """Return the step with the least error; a larger difference between finer steps counts as its error.
+    """Return the step with the least error, which is raised to the largest error of any finer step.
 
-    Where that is more than half of the coarsest one's, though order 1 leaves a quarter, it is the spread of the answer.
+    If that exceeds half of the coarsest step's, though order 1 would leave a quarter, the response itself is sensitive.
     """
     errors = [step.error for step in tried]
     least = errors.index(min(errors))
@@ -218,7 +218,7 @@ def _most_accurate(tried: list[ChosenStep]) -> ChosenStep:
 def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]], sample_rate: float, step: float) -> float:
     """Return the median step if corners cut most steps short, as a record's samples do, else `step`.
 
-    To halve a longer one would change nothing, and the error would be taken for none.
+    Halving a longer step would change nothing, so that no error would show.
     """
     taken, corners = [], 0
     for begin, length in windows:
@@ -234,7 +234,7 @@ def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]]
 def _windows(
     system: System, motion: BaseMotion, start: State, duration: float, sample_rate: float
 ) -> list[tuple[float, float]]:
-    """Return starts and lengths [s] of the pilot runs; each begins whole sample intervals after the first."""
+    """Return starts and lengths [s] of the trial runs; each begins whole sample intervals after the first."""
     rates = np.abs(eigenvalues(system))
     slowest = 2.0 * np.pi / max(float(rates[rates > 1.0].min(initial=60.0)), 6.0)  # from 1 Hz up: no pilot of minutes
     length = PILOT_PERIODS * slowest
@@ -251,6 +251,8 @@ def _windows(
 
 @dataclass(frozen=True, kw_only=True)
 class _Pilot:
+    """A trial run over one window of the motion: its result, samples, peaks and contacts."""
+
     run: RunResult
     rows: Array  # sensor values at the samples, (n_t, n_values)
     vectors: Array  # accelerations, displacements, deflections and forces over time, (n_t, n_channels, 3)
@@ -261,7 +263,7 @@ class _Pilot:
 
 
 class _Pilots:
-    """The pilots of a run over its windows, by step."""
+    """Pilots: trial runs of a system over windows, parts of the time in which its motion is severe, with any step."""
 
     def __init__(
         self, system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, engine: Engine
@@ -274,14 +276,14 @@ class _Pilots:
 
     @cached_property
     def starts(self) -> list[State]:
-        """States at the starts of the windows: the run's start state, carried along by the base."""
+        """States at the starts of the windows: the run's start state, moved with the base."""
         states = [State(values=self.start.values.copy(), time=begin) for begin, _ in self.windows]
         return [
             state if state.time == self.start.time else moving_with_base(self.system, self.motion, state) for state in states
         ]  # fmt: skip
 
     def at(self, step: float) -> list[_Pilot] | None:
-        """Run the pilots of all windows with one step; None, with the reason in `failures`, if it was too large."""
+        """Simulate all windows with one step; None, with the reason added to `failures`, if the step is too large."""
         began = perf_counter()
         if began - self.began + 2.0 * self.last > self.longest:  # half a step takes twice as long
             raise BudgetError(
@@ -299,16 +301,16 @@ class _Pilots:
             self.last = perf_counter() - began
 
     def fraction_done(self, difference: float, wanted: float) -> float:
-        """Estimate which fraction of the time of all pilots has passed, from the difference of the last two.
+        """Estimate which fraction of the computing time of all trial runs has passed, from the `difference` of the last two.
 
-        The error of the finer one is a third of it, and a quarter after each halving, which takes twice the time.
+        The finer one's error is a third of it, and falls to a quarter with each halving, which takes twice the time.
         """
         halvings = math.ceil(math.log(max(difference / (3.0 * wanted), 1.0), 4.0)) if np.isfinite(difference) else HALVINGS
         elapsed = perf_counter() - self.began
         return elapsed / (elapsed + self.last * (2.0 ** (halvings + 1) - 2.0))
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
-        """Run windows of equal length, which begin at samples, by the kernel in lanes; None if it gave one up."""
+        """Simulate windows of equal length, which begin at samples, by the kernel side by side; None if it gave one up."""
         motions = [Later(self.motion, begin) for begin, _ in self.windows]
         grid = time_grid(
             start=0.0, duration=self.windows[0][1], sample_rate=self.sample_rate, timestep=step, motion=motions[0],
@@ -362,7 +364,7 @@ def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
 
 
 def _difference(coarse: list[_Pilot] | None, fine: list[_Pilot] | None) -> float:
-    """Return the largest difference of samples and peaks relative to the peaks over all pilots."""
+    """Return the largest difference of samples and peaks between runs with two steps, relative to the peaks."""
     if coarse is None or fine is None:
         return np.inf
     kinds = np.array(fine[0].kinds)

@@ -99,7 +99,7 @@ def equilibrium_solver(system: System) -> EquilibriumSolver:
 def settle_together(systems: Sequence[System], history: History) -> None:
     """Find equilibria of systems of one structure side by side, bit-identical to single solutions, and cache them.
 
-    What is not found here is for `equilibrium` to find, or to say why there is none.
+    An equilibrium that is not found here is left to `equilibrium`, which finds it or says why there is none.
     """
     systems = [system for system in systems if history not in _known.get(system, {}) and not not_held(system)]
     systems = [system for system in systems if equations(system).key == equations(systems[0]).key]

@@ -1,4 +1,4 @@
-"""A system on its way from weightlessness to its full weight, and the equilibrium at its end."""
+"""Equilibrium of a system under its weight, by steps of load from weightlessness to the full weight."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -47,7 +47,7 @@ WITHOUT_SENSORS = 1
 
 
 def position_limit(coordinates: int) -> int:
-    """Return the number of positions after which a search over so many coordinates is given up."""
+    """Return how many trial positions a search for equilibrium over so many coordinates may take."""
     return MOST_POSITIONS + POSITIONS_PER_COORDINATE * coordinates
 
 
@@ -104,7 +104,7 @@ def forces_at_rest(system: System, state: State) -> Array:
 
 
 class Loading:
-    """A system on its way from weightlessness to its full weight."""
+    """Search for the equilibrium of a system in steps of load from weightlessness to the full weight."""
 
     def __init__(self, system: System, history: History, data: mujoco.MjData) -> None:
         """Prepare `system`, with MuJoCo data of its layout."""
@@ -170,7 +170,7 @@ class Loading:
     def _root(self, position: Array, tolerance: float) -> tuple[Array, float]:
         """Find the equilibrium next to `position`, and the largest acceleration there, > `tolerance` if the search failed.
 
-        Newton's method for neighbouring roots, of which one's Jacobian serves the next. Broyden's updates (1965, his first)
+        Newton's method for neighbouring equilibria, each with the last one's Jacobian. Broyden's updates (1965, his first)
         carry the inverse Jacobian along; a new one is taken from differences only where convergence slows. Directions without
         any stiffness are left as they are.
         """
@@ -229,7 +229,7 @@ class Loading:
         return self.data.qacc[self.free].copy()
 
     def _fall(self, qpos: Array) -> Array:
-        """Let a position fall, each coordinate stopped where it turns back, until it hardly moves."""
+        """Let the system fall from a position, stopping each coordinate where its velocity reverses, to near an equilibrium."""
         linear = linear_system(self.system, closed=True)
         fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(linear.mass, linear.stiffness)).real.max(), 1.0)))
         step, velocity, tried = FALL / fastest, np.zeros(self.free.size), self.tried

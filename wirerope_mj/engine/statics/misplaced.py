@@ -87,7 +87,7 @@ def _too_close(mounts: Sequence[Mount]) -> Iterator[str]:
 
 
 def _turned(mounts: Sequence[Mount], centre: Array) -> list[str]:
-    """Return a warning of mounts whose axis leads away from the payload, as if it were turned round."""
+    """Return a warning of mounts whose axis points away from the payload, as if it were reversed."""
     names = []
     for mount in mounts:
         axial, towards = mount.axes[:, 2], centre - mount.position

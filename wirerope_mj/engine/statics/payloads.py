@@ -93,7 +93,7 @@ def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True
 
 
 def _joined_coordinates(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -> Iterator[Array]:
-    """Yield for each constraint or tendon that joins bodies which velocity coordinates move it, (n_v,)."""
+    """Yield for each constraint or tendon that joins bodies a mask (n_v,) of the velocity coordinates that move it."""
     equal, limit = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY), int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
     rates = np.abs(jacobian(model, data)) > MOVES if model.neq or of_contacts else np.zeros((0, model.nv), dtype=bool)
     for kind, number in dict.fromkeys(zip(data.efc_type.tolist(), data.efc_id.tolist(), strict=True)) if len(rates) else ():

@@ -1,4 +1,4 @@
-"""The mounts' states on the path to a position, straight from where the last load step ended."""
+"""Hysteretic states of the mounts after slow, straight deflection from the last load step's equilibrium to a position."""
 
 import math
 
@@ -19,7 +19,7 @@ from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ON_BRACKETS
 def remembering_axes(system: System) -> Booleans:
     """Find the mount axes, (3 n_mounts,), whose states depend on a slow path of deflections.
 
-    What depends on the rate has no memory of it: its states stay zero.
+    Laws that depend on the rate have no memory of it: their states stay zero.
     """
     isolators = [mount.isolator for mount in system.mounts.values()]
     laws = [(law, axis in isolator.coupled_axes) for isolator in isolators for axis, law in enumerate(isolator.axes.values())]
@@ -73,7 +73,7 @@ def follow(lay, par, single, coupled, partners, scales, planes, before, after, s
 
 
 class SlowPath:
-    """The mounts' internal states in positions that are reached straight from where the last load step ended."""
+    """Internal states of the mounts in positions reached slowly and straight from where the last load step ended."""
 
     def __init__(self, system: System) -> None:
         self.tables, self.single = system.assembly.tables, remembering_axes(system).reshape(-1, 3)

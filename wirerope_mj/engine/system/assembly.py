@@ -32,7 +32,7 @@ AXIS_ERROR = 1e-9  # by which a component of a hinge's axis may differ from that
 
 
 class Scratch:
-    """Data for models of one layout, those of a system and of its variants; several threads may borrow at once."""
+    """MuJoCo data to borrow for models of one layout, a system and its variants; several threads may borrow at once."""
 
     def __init__(self) -> None:
         self._free: list[mujoco.MjData] = []

@@ -66,7 +66,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples; isolators in memory precede files, files in `folder` others."""
+    """Return the mounts in the order of their tuples; isolators come from memory first, then `folder`, then the catalogue."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator | None] = {}  # None where it is refused, which is said once
 

@@ -125,7 +125,7 @@ def _isolator_texts(system: System) -> list[tuple[str, str]]:
 
 
 def _isolator_files(system: System) -> dict[str, tuple[str, str]]:
-    """Return, by name of the text, the isolator file that it names and where its copy lies in the folder."""
+    """Return, by name of the MJCF text element, the isolator file that it names and where its copy lies in the folder."""
     files: dict[str, tuple[str, str]] = {}
     taken: dict[str, Isolator] = {}
     for name, data in _isolator_texts(system):

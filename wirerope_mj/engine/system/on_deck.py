@@ -23,7 +23,7 @@ from wirerope_mj.mounts.isolator import Isolator
 
 
 def load_on_deck(source: str | Path, deck: Deck | None, *, isolators: Mapping[str, Isolator] | None = None) -> System:
-    """Load a model as `load_system` does, on a flexible deck if one is given."""
+    """Load a system from an MJCF model, and put a flexible deck under its mounts if one is given."""
     system = load_system(source, isolators=isolators)
     return system if deck is None else on_deck(system, deck)
 

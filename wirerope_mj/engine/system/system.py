@@ -62,7 +62,7 @@ class Mount(Brief):
     states: tuple[slice, slice, slice]
 
     def shift_for(self, isolator: Isolator) -> list[float] | None:
-        """Return the shift of the mid-height [m], (3,), when another isolator takes its place below the payload's bar.
+        """Return the shift of a mount's mid-height [m], (3,), when another isolator replaces its own below the payload's bar.
 
         None where one of the two does not state its height.
         """

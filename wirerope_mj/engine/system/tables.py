@@ -84,7 +84,7 @@ def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tu
 
 @dataclass(frozen=True, kw_only=True)
 class Subjects:
-    """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points.
+    """Ids, in a compiled model, of the base (0: the world), its driven slides, observed bodies and points, flexible modes.
 
     A point's name is what follows `point/` in that of its site, prefixes of an attached model included; so with the sites at
     which forces may act, which are called `force/NAME`.
@@ -112,7 +112,7 @@ class Subjects:
 
 @dataclass(frozen=True, kw_only=True)
 class Tables:
-    """The callback's tables as numbers, and what the rest of the library needs to know of them."""
+    """The callback's tables as numbers, and the addresses and sizes by which the library reads its results."""
 
     layout: Array  # header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,)
     parameters: Array  # parameters of all laws, (n_p,)

@@ -178,7 +178,7 @@ def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
 def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.MjModel) -> None:
     """Tune joint springs in place, to factors on the natural frequencies that the same joints have in the model `nominal`.
 
-    So they are whatever masses have become, and damping ratios stay; so does the force in each spring as drawn.
+    These hold whatever the masses have become; damping ratios and the force in each spring as drawn are kept.
     """
     known, now = sprung_joints(nominal), sprung_joints(model)
     for name, factor in tunings.items():
