@@ -96,7 +96,7 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Array]:
-    """Sample the base at the response and between its corners: instants [s], acceleration [m/s^2] (n_t, 3)."""
+    """Compute the base's acceleration at the samples and between corners of the motion: instants [s], [m/s^2] (n_t, 3)."""
     corners = motion.corners
     if corners.size > _MOST_CORNERS or response.time.size > _MOST_SAMPLES:
         return response.time, response.base.acceleration
@@ -140,7 +140,7 @@ def _axis_panels(
     window: tuple[float, float],
     kind: str = BASE,
 ) -> list[Panel]:
-    """Draw components (n_t, 3) beside each other."""
+    """Draw the components `axes` of `values` (n_t, 3) over `x`, a panel for each."""
     return [
         Panel(
             [Curve(x, values[:, axis], name="", kind=kind)], label if axis == axes[0] else "", xlabel=xlabel,

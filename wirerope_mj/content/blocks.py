@@ -110,7 +110,7 @@ def short(name: str, most: int = _LEGEND_LETTERS) -> str:
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:
-    """Reduce a history to its maxima over `_CRESTS` intervals: positions and values."""
+    """Reduce a curve to its maxima in `_CRESTS` intervals of equal length: their x and their values."""
     length = max(x.size // _CRESTS, 1)
     parts = values[: length * (x.size // length)].reshape(-1, length)
     rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)

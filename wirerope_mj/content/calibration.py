@@ -83,6 +83,7 @@ def _unit(result: Calibration, k: int) -> str:
 
 
 def _values_table(result: Calibration) -> Table:
+    """Tabulate each value's median and interval, and how much of its prior's standard deviation is left."""
     rows: list[list[Cell]] = []
     for k, name in enumerate(result.names):
         low, high = result.intervals()[k]
@@ -112,6 +113,7 @@ def _values_table(result: Calibration) -> Table:
 
 
 def _findings(result: Calibration) -> Statement:
+    """List values at an end of their prior, not identified or not significant, and the channel that the model follows worst."""
     texts = [result.message]
     texts += [
         f"{name} ends at the {end} end of what was stated of it before, and may lie beyond: state a wider prior"

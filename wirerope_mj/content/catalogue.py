@@ -54,6 +54,8 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
 
 
 def isolator_content(device: Isolator, band: Band | None = None) -> Content:
+    """Compose the content of an isolator; `band` compares each value of the vendor with a fit to the others."""
+
     def band_of_error() -> Iterator[Statement]:
         if band is None or not band.values:
             return
@@ -155,6 +157,7 @@ def structural_content(export: StructuralExport) -> Content:
 
 
 def estimate_content(estimate: LoopEstimate) -> Content:
+    """Tabulate the values estimated from an isolator's geometry, with the errors of such estimates for known parts."""
     rows = [("compression", "static load", "N", "static load")]
     for mode, direction in {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}.items():
         rows.append((direction, "travel", "mm", f"{mode} travel"))

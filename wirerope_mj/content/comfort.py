@@ -119,7 +119,7 @@ def _ship_habitability(time: Array, histories: Mapping[str, Array], spaces: Sequ
 
 
 def _habitability_row(edition: str, subject: str, axes: Sequence[Sequence[Verdict]]) -> Row:
-    """List the cells of the axis that uses most of its lower limit; `axes` hold its lower and upper verdicts."""
+    """List the cells of the axis that uses most of the lower limit; `axes` hold the lower and upper verdict of x, y and z."""
     worst = max(range(3), key=lambda axis: axes[axis][0].utilisation or 0.0)
     lower, upper = axes[worst]
     level = (lower.verdict == "exceeded") + (upper.verdict == "exceeded")

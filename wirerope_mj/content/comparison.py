@@ -130,6 +130,7 @@ def accelerations_table(comparison: Comparison, axis: int | None = None) -> Tabl
 
 
 def travel_tables(comparison: Comparison) -> Iterator[Table]:
+    """Yield what is used of rated travels, along single axes and combined; the largest deflections if none is rated."""
     single = travel_rows(comparison)
     if any(_is_finite(value) for row in single for value in row.values):
         yield _peaks_table(

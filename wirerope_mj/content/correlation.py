@@ -22,6 +22,7 @@ _HEIGHT, _MOST_DB = 105.0, 12.0  # height of a panel; largest ratio that is draw
 
 
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
+    """Compose the content of a run against tests: the worst agreement, how their clocks were matched, and their sections."""
     names = " and ".join(test.name for test in tests)
     worst = min(tests, key=lambda test: min(channel.rating.overall for channel in test.responses))
     facts = []
@@ -45,6 +46,7 @@ def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
 
 
 def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
+    """Yield for each test agreement, warnings, measures, and charts of histories, spectra, transmissibility and loops."""
     kinds = {"histories": _histories, "spectra": _spectra, "transmissibility": _transmissibility, "loops": _loops}
     yield Section("tests", "Against measurements", lambda: map(agreement, tests), "headline")
     for test in tests:

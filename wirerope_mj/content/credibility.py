@@ -39,7 +39,7 @@ _STIFFNESS_EXPONENT = 0.5  # of the stiffness in a frequency, and so in peaks af
 
 @dataclass(frozen=True, kw_only=True)
 class _Part:
-    """A part of the credibility: name, grade, description, and relative effect on peaks (90 %), NaN if unknown."""
+    """A part of the credibility: name, grade (index of `GRADES`), description, relative effect on peaks (90 %) or NaN."""
 
     name: str
     grade: int
@@ -176,7 +176,7 @@ def _input_part(motions: Sequence[BaseMotion], warnings: int) -> _Part:
 
 
 def _form_part(system: System, half_strokes: Mapping[str, Array], slowest: float) -> _Part:
-    """Grade the form of the model: half strokes of the mounts (3,) [m] against the tests behind their laws."""
+    """Grade the form of the model by half the stroke of each mount, (3,) [m], over the largest amplitude of its laws' tests."""
     farthest, untested, frequencies = (0.0, ""), set[str](), []
     for name, strokes in half_strokes.items():
         mount = system.mounts[name]
@@ -208,6 +208,7 @@ def _form_part(system: System, half_strokes: Mapping[str, Array], slowest: float
 
 
 def _isolator_part(system: System) -> _Part:
+    """Grade the isolators by the weakest provenance among their figures; its effect on peaks is that of stated scatter."""
     devices = {mount.isolator.name: mount.isolator for mount in system.mounts.values()}
     if not devices:
         return _Part(name="isolator data", grade=4, text="there are no isolators")

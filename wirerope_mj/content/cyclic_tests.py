@@ -61,6 +61,7 @@ def loops_content(tests: CyclicTests) -> Content:
 
 
 def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
+    """Yield laws, measures of each loop, and findings over the amplitudes: hardening overlap, end of softening."""
     lines = []
     for title, law in tests.laws.items():
         lines.append(f"{title}: {law_text(law)}")
@@ -163,7 +164,7 @@ def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
 
 
 def _rating_curves(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
-    """Yield marks of the rated load and travel on the first loading, and the first loading."""
+    """Yield marks of rated load and rated travel on the curve of the first loading, and that curve."""
     travel = device.rated_travel(axis)
     compression, load = travel[0], device.limits.static_load
     if axis == "axial" and load is not None and compression is not None:

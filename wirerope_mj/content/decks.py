@@ -241,6 +241,7 @@ def flexible_content(
 
 
 def _modes_table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:
+    """Tabulate the modes of a flexible part with their effective masses along x, y and z, and the sum of these."""
     effective = part.participation**2
     names = [f"{number}" if mode else f"{number} residual" for number, mode in enumerate(modes, 1)]
     rows: list[list[Cell]] = [

@@ -76,7 +76,7 @@ def main_instants(response: Response, selection: Selection) -> Array:
 
 
 def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
-    """Yield the largest deflection and force along every axis, and the rebound along the first axis."""
+    """Yield the largest deflection and force along every axis, and the rebound along the most utilised one."""
     for quantity, unit in (("deflection", "mm"), ("force", "kN")):
         extremes = {}
         for axis in selection.axes:
@@ -125,7 +125,7 @@ def first_above(time: Array, values: Array, level: float) -> float | None:
 
 
 def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
-    """Yield accelerations, and deflections and forces of the most used mounts, from sample `row` up to `stop`.
+    """Yield accelerations, and deflections and forces of mounts nearest to their limits, from sample `row` up to `stop`.
 
     Of several samples they are the largest sizes: in a fast oscillation, as of a sweep, a single sample has an arbitrary phase.
     """

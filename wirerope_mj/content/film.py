@@ -50,12 +50,12 @@ class FilmedRun:
         )  # fmt: skip
 
     def instant_text(self, instant: float) -> str:
-        """Say the instant, and from its own instant on the most critical value against its limit."""
+        """Write the instant [s], and once the most critical value has been reached, that value against its limit."""
         reached = f". Most critical: {against_limit(self.critical)}" if self.critical and self.reached(instant) else ""
         return f"t = {instant_text(instant)}{reached}"
 
     def values(self, instant: float) -> list[str]:
-        """Say the value of the first curve of each panel at an instant."""
+        """Write the value of the first curve of each panel at an instant [s]."""
         texts = []
         for panel in self.panels:
             curve, largest = panel.curves[0], max(map(abs, panel.ylim or (1.0, 1.0)))
@@ -125,6 +125,7 @@ def film_of(runs: Mapping[str, JudgedRun], at: float | None = None) -> Film:
 
 
 def _filmed(name: str, run: JudgedRun, row: Verdict | None, window: tuple[float, float], *, several: bool) -> FilmedRun:
+    """Collect what a film shows of a run over an interval [s]: the moving scene, histories, verdict; RecordError if still."""
     response = run.response
     rows = slice(max(int(np.searchsorted(response.time, window[0])) - 1, 0), int(np.searchsorted(response.time, window[1])) + 2)
     motion = scene_motion(response, rows)

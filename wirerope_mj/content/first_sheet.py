@@ -37,7 +37,7 @@ def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
 def passage(run: JudgedRun) -> Statement | None:
     """State the base's motion and the most critical acceleration of the payload; of random vibration the largest rms.
 
-    Its fraction of the base's stands behind it where both are of one event: of shocks and random vibration.
+    Of shocks and random vibration it is also given in percent of the base's, since both belong to one event.
     """
     names = worst_names(run.response)
     if not names:
@@ -115,7 +115,7 @@ def _with_peak(panel: Panel) -> Panel:
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:
-    """Draw the panel over frequency: of a sweep, densities or shock response spectra; None without spectra."""
+    """Draw what suits the motion over frequency: accelerations of a sweep, PSDs, or shock response spectra; None without."""
     if isinstance(run.motion, Sweep):
         chart = sweep_chart(run, run.motion)
         ends = sorted((run.motion.start, run.motion.stop))
@@ -139,7 +139,7 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
 
 
 def _panel_along(chart: Chart, axes: list[str], axis: str) -> Panel:
-    """Choose the panel of an axis, with the label and the title of the row."""
+    """Choose the panel of an axis from a chart's only row, labelled by the row's label and its own title."""
     row = chart.rows[0]
     panel = row[axes.index(axis) if axis in axes else 0]
     return replace(panel, ylabel=f"{row[0].ylabel} {panel.title}")

@@ -75,7 +75,7 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
 
 
 def _acceleration_levels(lines: Sequence[Line], along: str, *, alike: bool) -> Iterator[tuple[tuple[str, float], bool]]:
-    """Yield the limits of accelerations [g] that peaks of the drawn parts come near, both ways, and whether they pass them."""
+    """Yield name and value [g] of acceleration limits that peaks come near, on both sides of zero, and if they are exceeded."""
     for line in lines:
         if isinstance(subject := line.subject, Component) and subject != THE_BASE:
             reached = abs(_extreme(subject.peak(line.response), along)[1])
@@ -113,6 +113,7 @@ def run_histories(response: Response, selection: Selection) -> Histories:
 
 
 def named_lines(response: Response, selection: Selection, subjects: Mapping[str, Subject]) -> list[Line]:
+    """Make lines of subjects by their labels, the most important first; from rank `NAMED` on they are grey "others"."""
     lines = []
     for rank, (label, subject) in enumerate(subjects.items()):
         name = subject if isinstance(subject, str) else subject.name
@@ -189,6 +190,7 @@ def _lines_of(comparison: Comparison, subject: Subject) -> list[Line]:
 
 
 def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
+    """Make the curve of a line along an axis, or of its magnitude ("total"), in a unit, with its peak."""
     if isinstance(line.subject, str):
         history = getattr(line.response.mounts[line.subject], quantity)
         time, peak = line.response.time, getattr(line.response.peaks.mounts[line.subject], quantity)

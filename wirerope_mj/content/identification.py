@@ -63,6 +63,7 @@ def _insignificant(names: Sequence[str]) -> str:
 
 
 def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequence[str]) -> Statement:
+    """List the fit's message, what is not identifiable or significant, where laws hold, and whether residuals are noise."""
     texts = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
     texts += [f"yield deflections: {result.yields}"] if result.scales else []
     texts += [f"not identifiable: {text}" for text in result.non_identifiable]
@@ -130,7 +131,7 @@ def _parameter_blocks(result: Identification) -> Iterator[Block]:
 
 
 def _scale_table(result: Identification) -> Table:
-    """Tabulate the criterion and the prediction error by number of scales, and which number was taken."""
+    """Tabulate BIC and prediction error by the number of scales (hysteretic sets in parallel), and which number was taken."""
     least = min(row.criterion for row in result.scale_rows)
     rows: list[list[Cell]] = []
     for row in result.scale_rows:
@@ -320,7 +321,7 @@ def _loop_panels(
 
 
 def _groups_by_operating_point(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
-    """Group loops by operating point; no rig holds it better than within 2 % of the largest amplitude."""
+    """Group loops by operating point, to within 2 % of the largest amplitude: no rig holds it better."""
     step = 0.02 * max(fit.measured.amplitude for fit in fits)
     groups: list[list[FittedLoop]] = []
     for fit in sorted(fits, key=lambda fit: fit.measured.operating_point):

@@ -70,6 +70,7 @@ def provenance_statement(device: Isolator) -> Statement:
 
 
 def isolator_blocks(device: Isolator) -> Iterator[Block]:
+    """Yield the provenance, laws, couplings and sizes of an isolator as statements."""
     yield provenance_statement(device)
     laws = [f"{axis}: {'no force' if law is None else law_text(law)}" for axis, law in device.axes.items()]
     # what acts on several axes

@@ -35,6 +35,7 @@ def envelope_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block | None]:
 
 
 def _base_table(runs: Mapping[str, JudgedRun]) -> Table:
+    """Tabulate the largest base motion and the loads on the deck by load case."""
     rows: list[Row] = []
     for case, run in runs.items():
         base = run.response.base
@@ -57,6 +58,7 @@ def _base_table(runs: Mapping[str, JudgedRun]) -> Table:
 
 
 def _room_table(runs: Mapping[str, JudgedRun]) -> Table | None:
+    """Tabulate the largest displacements of each point to all sides, over the load cases; None without points."""
     names = list(next(iter(runs.values())).response.peaks.points)
     if not names:
         return None
@@ -80,6 +82,7 @@ def _room_table(runs: Mapping[str, JudgedRun]) -> Table | None:
 
 
 def _accelerations_table(runs: Mapping[str, JudgedRun]) -> Table:
+    """Tabulate the largest acceleration of each body and point over the load cases, and in which case it occurs."""
     by_name: dict[str, list[tuple[str, BodyPeak]]] = {}
     for case, run in runs.items():
         for row in body_peaks(run.response):
@@ -99,6 +102,7 @@ def _accelerations_table(runs: Mapping[str, JudgedRun]) -> Table:
 
 
 def _mounts_table(runs: Mapping[str, JudgedRun]) -> Table | None:
+    """Tabulate the largest travels and forces of each mount over the load cases; None without mounts."""
     by_name: dict[str, list[tuple[str, tuple[float, ...]]]] = {}
     for case, run in runs.items():
         for row in mount_peaks(run.response):

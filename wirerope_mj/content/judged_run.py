@@ -134,7 +134,7 @@ class JudgedRun(RunResult):
 
     @cached_property
     def axis_pairs(self) -> tuple[AxisPair, ...]:
-        """How far the axes of these spectra are independent."""
+        """Correlation and coherence of each pair of axes of a base motion that was made for required spectra."""
         return axis_pairs(self.motion, self.achieved, until=float(self.response.time[-1]))
 
     @cached_property

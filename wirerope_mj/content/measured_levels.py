@@ -9,7 +9,7 @@ from wirerope_mj.motions.break_points import SpectrumEnvelope
 
 
 def measured_levels_content(record: str, envelopes: Sequence[SpectrumEnvelope], files: Sequence[str]) -> Content:
-    """Compose the content of break points over the spectrum of a record along some axes; `files` are theirs, if written."""
+    """Compose the content of break points that envelop the spectrum of a record; `files` hold them, if written."""
     first = envelopes[0]
     if first.q is None:
         name = "Power spectral density"

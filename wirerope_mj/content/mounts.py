@@ -73,7 +73,7 @@ def mount_blocks(run: RunResult) -> Iterator[Block | None]:
 
 
 def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield histories of utilisation, deflection and force, loops of the most used mount, and the events of the run."""
+    """Yield histories of utilisation, deflection and force, loops of the mount nearest to its limits, and events of the run."""
     rows, selection = mount_peaks(run.response), run.selection
     if not rows:
         return

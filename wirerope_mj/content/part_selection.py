@@ -55,7 +55,7 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
 
 
 def _brief(selection: CatalogueSelection) -> Iterator[Block]:
-    """Yield the first parts as bars, or the nearest and what would do; what was refused, and what is not judged."""
+    """Yield the best parts as bars, or the nearest and what would keep the limits; parts refused, and what is not judged."""
     rows = []
     for part in (selection.meeting or [part for part in selection.tried if not part.reason])[:_FIRST]:
         used, criterion, case = part.governing
@@ -70,6 +70,7 @@ def _brief(selection: CatalogueSelection) -> Iterator[Block]:
 
 
 def _part_blocks(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
+    """Yield load cases, parts that keep every limit, parts that exceed one, those not simulated, and notes."""
     numbered = tuple(f"{number}: {name}" for number, name in enumerate(selection.cases, start=1))
     yield Statement("load-cases", "Load cases", items=numbered, tone="strong")
     meeting, rest = selection.meeting, [part for part in selection.tried if not part.meets and not part.reason]
@@ -119,7 +120,7 @@ def _refused(selection: CatalogueSelection, *, every: bool) -> Iterator[Statemen
 
 
 def needed_statement(selection: CatalogueSelection) -> Statement:
-    """State which stiffness, load and travel of a mount would do, or why none would."""
+    """State which stiffness, rated load and travel of a mount would keep the limits, or why none would."""
     needed = selection.needed
     if isinstance(needed, Absent):
         return Statement("needed", needed.reason, tone="unjudged")
@@ -142,6 +143,7 @@ def needed_statement(selection: CatalogueSelection) -> Statement:
 def _parts_table(
     name: str, title: str, selection: CatalogueSelection, parts: list[TriedPart] | tuple[TriedPart, ...], most: int | None
 ) -> Table:  # fmt: skip
+    """Tabulate parts with their most critical limit, peaks and sizes; at most `most` are shown at once."""
     placed = len({part.placement for part in selection.tried if part.placement}) > 1
     extra = [by for by in ("price", "mass") if any(by in stated for stated in selection.stated.values())]
     random = any(not math.isnan(part.largest("three_sigma")) for part in parts)
@@ -171,6 +173,7 @@ def _parts_table(
 
 
 def _unjudged(selection: CatalogueSelection) -> Iterator[str]:
+    """Yield what was not judged over all simulated parts, and why: no limit, no rating, or vibration that is not stationary."""
     tried = [part for part in selection.tried if not part.reason]
     for measure, criterion in CRITERIA.items():
         if measure == "sigma":

@@ -246,7 +246,7 @@ def amplitude_chart(
 
 
 def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:
-    """Draw folds and changes of stability, backbone, branches, and behind them sweeps."""
+    """Draw folds and changes of stability, the backbone (peaks of all levels), branches, and behind them sweeps."""
     events: dict[str, list[tuple[float, float]]] = {}
     tops, branches, sweeps = [], [], []
     for number, summary in enumerate(findings):
@@ -281,7 +281,7 @@ Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its
 
 
 def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
-    """Yield loops and phase portraits of the busiest mount along the resonance, and a table."""
+    """Yield loops and phase portraits of the mount that does most work, along the resonance, and a table of these motions."""
     if not branches or not branches[0].system.mounts:
         return
     rows = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _PANELS)).round().astype(int))
@@ -366,7 +366,7 @@ def _ranges(orbit: PeriodicOrbit, mount: str, axis: int) -> tuple[float, float, 
 
 
 def motion_blocks(motion: Motion, until: int, loop: tuple[str, int] | None) -> Iterator[Block]:
-    """Yield stability, multipliers, events up to the point `until`, and a mount's loop of a motion."""
+    """Yield stability, Floquet multipliers and loop (mount, axis) of a motion, and bifurcations before the point `until`."""
     branch, point, orbit = motion
     level, state = abs(float(branch.acceleration[point])), "stable" if orbit.stable else "UNSTABLE"
     yield Statement("motion", f"{orbit.frequency:.5g} Hz, {level:.4g} m/s²: {state}", tone="strong")

@@ -35,7 +35,7 @@ _STILL = 1e-12  # [m]: displacement up to which the base is at rest along an axi
 class RunSpectra:
     """Spectra of a run by axis and name: shock response spectra, or the reason for their absence, and densities.
 
-    Spectra of bodies and points are computed from samples, within 1 % up to the frequency `resolved_frequency` [Hz].
+    Spectra of bodies and points are computed from samples, within 1 % up to the frequency `held` [Hz].
     """
 
     shock: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
@@ -149,7 +149,7 @@ def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | N
 
 
 def held_text(held: float) -> str:
-    """Describe the frequency [Hz] up to which samples hold a spectrum; 0 if they hold no line of it."""
+    """Describe the frequency [Hz] up to which samples give a spectrum within 1 %; 0 if they give no line of it so."""
     return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency'}"
 
 

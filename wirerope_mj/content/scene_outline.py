@@ -223,7 +223,7 @@ class SceneMotion:
 
 
 def scene_motion(response: Response, rows: slice) -> SceneMotion | None:
-    """Find how the bodies of a scene stand from the base at some samples; None without visible displacements."""
+    """Find the displacements of a scene's bodies relative to the base at some samples; None if none is visible."""
     scene, rotation = response.scene, scipy.spatial.transform.Rotation
     if not any(body.geoms for body in scene.bodies):
         return None
@@ -253,7 +253,7 @@ def critical_verdict(verdicts: Sequence[Verdict]) -> Verdict | None:
 
 
 def ring_around(moved: Scene, subject: str) -> tuple[str, Array] | None:
-    """Find name and position of the body or of the mount's payload side that is the subject of a verdict; None for others."""
+    """Find name and position [m] of a verdict's subject, a body or a mount (its payload side); None for other subjects."""
     bodies = {body.name: body for body in moved.bodies}
     if subject in bodies:
         return subject, bodies[subject].position

@@ -58,6 +58,7 @@ def search_content(result: SearchResult) -> Content:
 
 
 def _results(result: SearchResult) -> Iterator[Block]:
+    """Yield the chart and tables of the front, and some of its designs as scenes where the search places mounts."""
     yield front_chart(result)
     front = result.front["variant"].to_pylist()
     if not front:
@@ -79,7 +80,7 @@ def _results(result: SearchResult) -> Iterator[Block]:
 
 
 def front_table(result: SearchResult, most: int | None = None) -> Table:
-    """Tabulate the given designs and the designs of the front."""
+    """Tabulate the designs that were given to the search, and those of the Pareto front."""
     measures = [measure_of(name) for name in result.shown]
     designs = {row["variant"]: row for row in result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()}
     rows = []
@@ -108,7 +109,7 @@ def designs_table(result: SearchResult) -> Table:
 
 
 def front_chart(result: SearchResult) -> Chart:
-    """Draw all designs by the first two measures, or one measure in the order of the designs."""
+    """Draw all designs by the first two measures that are minimised, or by the only one in the order of the designs."""
     names = result.minimise[:2]
     across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
     x, y = (

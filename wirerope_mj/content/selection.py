@@ -126,7 +126,7 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
 
 
 def ranked_over_time(used: Sequence[Used]) -> list[Used]:
-    """Order limits by what is used of them over time, the most first, whatever is used at rest."""
+    """Order limits by their largest utilisation during the run, the largest first; utilisation at rest does not count."""
     return sorted(used, key=lambda entry: -entry.largest)
 
 
@@ -143,18 +143,18 @@ def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
 
 
 def kind_of(selection: Selection, name: str) -> str:
-    """Find the kind of curves of a mount, body or point; without one, the kind of its most critical curves."""
+    """Find the kind (colour) of curves of a mount, body or point; without one, that of the most critical mount or body."""
     return selection.kinds.get(name, MOUNTS[0] if name in selection.mounts else PAYLOADS[0])
 
 
 def or_other(name: str, kind: str, rank: int, count: int) -> tuple[str, str]:
-    """Find name and kind of a curve among `count`; from rank `NAMED` on it is one of the "others"."""
+    """Find name and kind of the curve of a rank, 0 the most critical, of `count`; from `NAMED` on it is one of the "others"."""
     left = count - NAMED
     return (name, kind) if rank < NAMED else (f"{left} other{'s' if left > 1 else ''}", OTHERS)
 
 
 def assigned(groups: Sequence[Sequence[str]], kinds: Sequence[str]) -> dict[str, str]:
-    """Assign kinds to names, for each name the kind used least in its group, then least of all."""
+    """Assign kinds (colours) to names: to each the kind that its group, drawn in one chart, uses least, then least of all."""
     known: dict[str, str] = {}
     for group in groups:
         for name in group:

@@ -30,6 +30,7 @@ _EQUAL = 1e-6  # relative difference up to which two spectra are one line
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield shock response spectra and power spectral densities of base and payload, with a table of rms values."""
     shock = run.spectra.shock
     if not isinstance(shock, Absent) and len(next(iter(shock.values()))) > 1:  # not of the base alone
         yield shock_chart(run)

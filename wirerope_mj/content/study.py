@@ -151,6 +151,7 @@ def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
 
 
 def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
+    """Yield the messages of variants or designs that could not be simulated, each with their numbers."""
     if not result.failed:
         return
     of_message = list(failures(result.failed).items())
@@ -221,7 +222,7 @@ def measures_table(summary: StudySummary) -> Table:
 
 
 def indices_tables(summary: StudySummary) -> list[Table]:
-    """Tabulate Sobol's indices of each measure that was sampled for them."""
+    """Tabulate Sobol indices (fractions of variance) of each measure, if the study was sampled for them."""
     heads = ("alone", "from", "to", "with others", "from", "to")
     columns = [Column("factor", align="text"), *(Column(head, "%", "z.1f") for head in heads)]
     tables = []

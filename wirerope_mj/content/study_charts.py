@@ -272,7 +272,7 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
 
 
 def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
-    """Draw directions that form no grid as dots in colours of classes of their values."""
+    """Draw directions that form no grid as dots, coloured by the class (quarter of the range) in which the value lies."""
     known = np.isfinite(values)
     edges = np.linspace(values[known].min(), values[known].max(), _CLASSES + 1) if known.any() else np.zeros(_CLASSES + 1)
     place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, _CLASSES - 1)
@@ -286,7 +286,7 @@ def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
 
 
 def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array, Array] | None:
-    """Arrange values (n_elevation, n_azimuth) by azimuths and elevations; None if directions form no grid."""
+    """Find azimuths, elevations [deg] and values on their grid (n_elevation, n_azimuth); None if directions form no grid."""
     # A pole has one value for every azimuth; -180 is 180, too.
     along, up = np.unique(azimuth), np.unique(elevation)
     if min(along.size, up.size) < 2:

@@ -89,6 +89,7 @@ def struck_statements(table: pa.Table) -> list[str]:
 
 
 def travel_statements(system: System) -> list[str]:
+    """State that a study judges travel along single axes only, if a mount is rated along several."""
     for mount in system.mounts.values():
         if len({RATINGS[rating][0] for rating in mount.isolator.limits.travel.stated}) > 1:
             return [
@@ -186,6 +187,7 @@ def of_indices(indices: SobolIndices) -> str:
 
 
 def _index(index: float) -> str:
+    """Write a Sobol index in percent; an estimate outside 0 to 100 % is so by chance, and is cut off."""
     return f"{100.0 * min(max(index, 0.0), 1.0):.0f} %"
 
 

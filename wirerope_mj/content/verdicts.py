@@ -71,7 +71,7 @@ def criteria_blocks(verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
 
 
 def verdict_bars(heading: str, named: Iterable[tuple[str, str, Verdict]]) -> Table | None:
-    """Draw judged verdicts as bars, the most critical first, each behind two names; None without any."""
+    """Tabulate judged verdicts as bars, the most critical first, each behind its two names in `named`; None without any."""
     rows = sorted(named, key=lambda entry: -(entry[-1].utilisation or 0.0))
     if not rows:
         return None
@@ -98,7 +98,7 @@ def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]],
 
 
 def open_statement(verdicts: Iterable[Verdict]) -> Statement | None:
-    """Count the values that are not judged by quantity; None if all are judged."""
+    """State for each quantity how many of its values are not judged; None if all are judged."""
     rows = dict.fromkeys((row.criterion, row.subject) for row in verdicts if row.verdict == NOT_JUDGED and not row.contact)
     counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row, _ in rows)
     subjects = {str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)): subject for row, subject in rows}
@@ -180,7 +180,7 @@ def used_mark(utilisation: float | None) -> Mark:
 
 
 def used_tone(utilisation: float | None) -> str:
-    """Return the tone in which a utilisation stands, the same in sentences, bars and drawings."""
+    """Find the tone (meaning of its colour) of a utilisation, the same in sentences, bars and drawings."""
     if utilisation is None:
         return "quiet"
     return "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "within"
