@@ -130,6 +130,7 @@ class DoubleHalfSine(DoublePulse):
         return math.pi / 4
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2) of both half-sines in closed form, (n_t,)."""
         # The phases of the two half-sines, each held at 0 before it and at pi after it.
         first = np.clip(math.pi * (t - self.start) / self.first_duration, 0.0, math.pi)
         second = np.clip(math.pi * (t - self.middle) / self.second_duration, 0.0, math.pi)

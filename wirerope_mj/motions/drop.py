@@ -240,6 +240,7 @@ class RotationalDrop(BaseMotion):
         return np.zeros((t.size, 3))  # the edge stays
 
     def _angles(self, t: Array, order: int) -> Array:
+        """Return roll, pitch and yaw (order 0) or derivatives (1, 2) of the case, lifted, held, let go and flat, (n_t, 3)."""
         lifted = Envelope(start=0.0, stop=math.inf, rise=self.lift, fall=0.0).derivatives(t)[order]
         let_go = self.lift + self.hold
         angle = np.where(t < let_go, self.tilt * lifted, self._fall(np.clip(t, let_go, self._landing), order))

@@ -80,6 +80,7 @@ class Sine(StraightMotion):
         return 2 * math.pi * self.frequency
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2); after the end the base coasts, (n_t,)."""
         if order == 2:
             return np.where(t < self.duration, self.amplitude * np.sin(self._omega * t), 0.0)
         within = np.minimum(t, self.duration)
@@ -138,7 +139,7 @@ class Unbalance(PayloadForce):
     frequency: float  #: speed of the shaft [Hz]; at the start where it runs up, >= 0 then
     #: shaft about which it rotates, `"x"`, `"y"`, `"z"` or a 3-vector, site axes; None with `line`
     axis: Direction | None = None
-    line: Direction | None = None  #: line along which it reciprocates, so too; None with `axis`
+    line: Direction | None = None  #: line along which it reciprocates, given likewise; None with `axis`
     order: float = 1.0  #: multiple of the shaft's speed
     final_frequency: float | None = None  #: speed at the end of the run-up [Hz]; None: constant speed
     run_up: float = 0.0  #: length of the run-up [s]; the final speed stays after it
@@ -191,6 +192,7 @@ class Unbalance(PayloadForce):
         return self.frequency + (self.final_frequency - self.frequency) * progress
 
     def _wrench(self, t: Array) -> Array:
+        """Evaluate the inertia force by the shaft's angle, speed and acceleration at times since the start, (n_t, 6)."""
         omega = 2.0 * math.pi * self.shaft_frequency(t + self.start)
         shaft_angle, alpha = 2.0 * math.pi * self.frequency * t, np.zeros(t.size)
         if self.final_frequency is not None:

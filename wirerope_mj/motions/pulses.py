@@ -78,6 +78,7 @@ class HalfSine(Pulse):
         return 2 * self.peak * self.duration / math.pi
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2) of the half-sine in closed form, (n_t,)."""
         # pi t / D, held at 0 before the pulse and at pi after it
         phase = np.minimum(np.maximum(math.pi * (t - self.start) / self.duration, 0.0), math.pi)
         if order == 2:

@@ -138,6 +138,7 @@ class RandomVibration(AsCall, StartedMotion):
 
     @property
     def _intervals(self) -> int:
+        """Number of intervals between knots, 8 in a period of the highest frequency; ValueError if they are too many."""
         points = self.duration * self.psd[-1][0] * KNOTS_PER_PERIOD
         if points > MOST_POINTS:
             raise ValueError(

@@ -103,6 +103,7 @@ class ShipMotion(BaseMotion):
 
     @property
     def _swings(self) -> dict[str, Swing]:
+        """Amplitudes and periods of the parts that are given, by name."""
         parts = {name: getattr(self, name) for name in TURNS + SHIFTS}
         return {name: value for name, value in parts.items() if value is not None}
 

@@ -168,6 +168,7 @@ class DecayingSine(StartedMotion):
         return self._forced[1] * (1 + cmath.exp(-self._root * self.impact_duration))
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2) in the blow and in free oscillation, (n_t,)."""
         since = np.maximum(t - self.start, 0.0)
         value = np.real(self._free * self._root**order * np.exp(self._root * since))
         if self.impact_duration:
@@ -274,6 +275,7 @@ class ShockTableImpact(StartedMotion):
         return HalfSine(peak=peak, duration=length, direction=self.direction, start=self.impact)
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2) of the fall, if played, and impact, (n_t,)."""
         fallen, since = np.clip(t - self.start, 0.0, self.fall_duration), np.maximum(t - self.impact, 0.0)
         falling = np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0)
         fall = (-self.gravity * fallen * (fallen / 2 + since), -self.gravity * fallen, falling)[order]

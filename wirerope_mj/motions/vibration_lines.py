@@ -222,6 +222,7 @@ class VibrationLines(AsCall, StartedMotion):
         return total
 
     def _along(self, t: Array, order: int) -> Array:
+        """Evaluate displacement (order 0), velocity (1) or acceleration (2): the sines times the envelope, (n_t,)."""
         factor, first, second = self.envelope.derivatives(t)
         value = factor * self._oscillation(t, order)
         if order == 2 and (np.any(first) or np.any(second)):

@@ -124,6 +124,7 @@ class Record(BaseMotion):
         return load_record
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        """Return the arguments of `load_record` that make this record as plain values, optional ones only where given."""
         values: Entries = {"path": files.get(self.path, str(self.path))}
         if self.channels is not None:
             values["channels"] = {name: plain_direction(direction) for name, direction in self.channels.items()}

@@ -170,6 +170,7 @@ class _Window:
     def __init__(
         self, reversals: _Reversals, time: Array, force: Array, width: float, centre: float, degrees: tuple[int, int]
     ) -> None:
+        """Gather the samples within `width` of each reversal, shifted by `centre` [s], and the deflection's shape there."""
         first, last = (np.searchsorted(time, reversals.instants + centre + side * width) for side in (-1.0, 1.0))
         kept = last - first > 2
         windows = [np.arange(*ends) for ends in zip(first[kept], last[kept], strict=True)]
