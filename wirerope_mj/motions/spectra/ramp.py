@@ -31,7 +31,7 @@ def extreme_between(y0: float, y1: float, d0: float, d1: float) -> float:
 
 @njit
 def free_extremes(u: float, v: float, frequency: float, damping: float, extremes: Array) -> None:
-    """Widen `extremes` by the extremes of the free vibration that starts from displacement `u` and rate `v`.
+    """Widen `extremes` by those of an oscillator's free vibration that starts from displacement `u` and rate `v`.
 
     With theta the angle per unit of time (2 pi f T), zeta the damping and w = theta sqrt(1 - zeta^2), displacement, velocity
     and the acceleration y = -(theta^2 u + 2 zeta theta v) are exp(-zeta theta t) (y0 cos w t + (y0' + zeta theta y0) / w
@@ -56,14 +56,14 @@ def free_extremes(u: float, v: float, frequency: float, damping: float, extremes
 
 @inlined
 def widen(extremes, quantity, value):  # type: ignore[no-untyped-def]
-    """Widen the extremes of a quantity by a value."""
+    """Raise the highest or lower the lowest value of a quantity among `extremes`, in place, if `value` is beyond it."""
     extremes[quantity] = max(extremes[quantity], value)
     extremes[quantity + 1] = min(extremes[quantity + 1], value)
 
 
 @njit
 def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, primary: Array, residual: Array) -> None:
-    """Find the extremes of one oscillator that starts at rest, while it is driven and after.
+    """Find the extremes of one oscillator that starts at rest, while its base is accelerated by `x` and after.
 
     Lengths of time are steps of the record: u is in m/s^2 times the step squared, v in m/s^2 times the step.
 

@@ -64,7 +64,7 @@ def longest_step(law, p, i, direction, z, e):
 
 @njit
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
-    """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
+    """Write the derivatives of the n states and of the work by the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
     # Not `evaluate`: of a few laws the compiler makes one function with the loop, which then takes half the time.
     if law == BABER_NOORI:
@@ -81,7 +81,7 @@ def slope_at(law, p, i, x, direction, z, j, n, k, stage):
 
 @njit
 def stages(law, p, i, x, direction, h, z, j, n, k, trial):
-    """Fill the slopes of a step h from x, those of its start given, and leave its end in `trial`."""
+    """Fill the slopes `k` of the seven stages of a step h from x, those of the first given; leave the end state in `trial`."""
     s, m = direction * h, n + 1
     for c in range(n):
         trial[c] = z[j + c] + h * (1 / 5 * k[c])
@@ -113,7 +113,7 @@ def stages(law, p, i, x, direction, h, z, j, n, k, trial):
 
 @njit
 def mean_slope(k, m, c):
-    """Return the mean slope of component c over the step, to fifth order."""
+    """Return the mean slope of state c, or of the work, over the step, to fifth order."""
     return (
         35 / 384 * k[c]
         + 500 / 1113 * k[2 * m + c]
@@ -125,7 +125,7 @@ def mean_slope(k, m, c):
 
 @njit
 def error_slope(k, m, c):
-    """Return the difference of the mean slopes of fifth and fourth order of component c."""
+    """Return the difference of the mean slopes of fifth and fourth order of state c, or of the work."""
     return (
         71 / 57600 * k[c]
         - 71 / 16695 * k[2 * m + c]
@@ -138,7 +138,7 @@ def error_slope(k, m, c):
 
 @njit
 def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
-    """Carry `z[j:j + n_states]` in place over a length from x0 and return the work done on the law [J].
+    """Advance a law's states `z[j:j + n_states]` in place over a length from x0; return the work done on the law [J].
 
     `slopes` (7 (n_states + 1),) and `trial` (n_states + 1,) are scratch arrays. Returns NaN if the state leaves the finite
     numbers.

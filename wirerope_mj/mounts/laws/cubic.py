@@ -18,13 +18,13 @@ WEIGHTS = 0.5 * np.concatenate([_HALF_WEIGHTS[::-1], _HALF_WEIGHTS])
 
 @njit
 def position(cubic, t):
-    """Return the deflection at t."""
+    """Return the deflection at the instant t of a cubic, given by its coefficients."""
     return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]))
 
 
 @njit
 def speed(cubic, t):
-    """Return the deflection rate at t."""
+    """Return the deflection rate at the instant t of a cubic, given by its coefficients."""
     return cubic[1] + t * (2.0 * cubic[2] + t * 3.0 * cubic[3])
 
 
@@ -50,7 +50,7 @@ def reversals(x0, x1, v0, v1, h):
 
 @njit
 def zero_between(cubic, start, end):
-    """Return where a cubic that changes its sign is zero."""
+    """Return the instant at which a cubic that changes its sign between two instants is zero."""
     rising = position(cubic, end) > 0.0
     for _ in range(60):
         middle = 0.5 * (start + end)

@@ -58,7 +58,7 @@ def length_to_zero(alpha, b, n, y):
 
 @njit
 def rates(law, p, i, b):
-    """Return how fast the state settles and the rest of the force changes over a length [1/m]."""
+    """Return how fast the state settles, and how fast an asymmetric law's exp(lambda x) changes, over a length [1/m]."""
     state = abs(b) if p[i + 3] == 1.0 else math.sqrt(p[i] * abs(b))
     return state, (abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN else 0.0)
 

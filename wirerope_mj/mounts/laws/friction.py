@@ -153,7 +153,7 @@ class Masing(Law):
 def masing(p, i, x, v, z, j, zdot, k):
     """Return F = F1(x) + sum of z_e clipped to +-h_e [N]; p = k, k2, k3, number of elements, stiffnesses c_e, slip forces h_e.
 
-    The states grow elastically, beyond h_e too; who integrates them removes the overshoot after every step.
+    The states grow elastically, beyond h_e too; after every step the overshoot is to be removed by `hold_slip`.
     """
     n = count(p, i + ELEMENTS)
     force = polynomial(p[i], p[i + 1], p[i + 2], x)

@@ -37,7 +37,7 @@ def put(values, i, out, j, n):
 
 @njit
 def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Carry a rate-independent law's states in place from deflection x0 to x1 and return the work done on it [J].
+    """Advance a rate-independent law's states in place from deflection x0 to x1; return the work done on the law [J].
 
     The arguments are those of `integrate`.
     """
@@ -49,7 +49,7 @@ def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 @njit
 def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Carry the states as `advance` does, from x0 to x1 on one side of zero; return the work [J]."""
+    """Advance a law's states in place from deflection x0 to x1, both on one side of zero; return the work done on it [J]."""
     if law != PARALLEL:
         return advance_single(law, p, i, x0, x1, z, j, n_states, slopes, trial)
     work = 0.0
@@ -63,7 +63,7 @@ def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 @njit
 def advance_single(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Carry the states of one law, not several in parallel, as `segment` does; return the work [J]."""
+    """Advance the states of one law, not several in parallel, from x0 to x1 on one side of zero; return the work [J]."""
     if x0 == x1:
         return 0.0
     if law == ON_BRACKET:
@@ -78,7 +78,7 @@ def advance_single(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 @njit
 def advance_behind_bracket(p, i, d0, d1, z, n_states, slopes, trial):
-    """Carry the states `z` of all laws on a bracket along their own deflection, d0 to d1, and return the work on them [J]."""
+    """Advance the states `z` of all laws on a bracket along their own deflection, d0 to d1; return the work on them [J]."""
     work = 0.0
     for part in range(int(p[i + HEAD])):
         law, first, state, count = component(p, i + HEAD, part, n_states)
@@ -94,9 +94,10 @@ def advance_behind_bracket(p, i, d0, d1, z, n_states, slopes, trial):
 
 @njit
 def segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Carry the states of a law in series with a spring as `segment` does; return the work [J].
+    """Advance the states of a law in series with a bracket K = p[i] as both deflect from x0 to x1; return the work [J].
 
-    The law's own deflection d goes one way, too, and only its end matters: d + F / K = x1, by secants.
+    The law's own deflection d grows or falls throughout, as x does, so that only its end matters: d + F(d) / K = x1, by
+    secants. The work is that on law and bracket.
     """
     own, unused, stiffness = np.empty(n_states), np.empty(n_states), p[i]
     force = on_bracket(p, i, x0, 0.0, z, j, unused, 0)

@@ -150,7 +150,7 @@ def forces_at_states(p, i, n, u, w, z, j, k):
 
 @njit
 def series_slopes(p, i, n, u, w, z, j, k):
-    """Return 1 + C dF/dd at constant hysteretic forces, row by row (4)."""
+    """Return the matrix 1 + C dF/dd at constant hysteretic forces, row by row (4), C the brackets' compliances."""
     b, each = compliances_index(p, i, n), 0.5 / _NUDGE
     (u1, w1), (u2, w2) = forces_at_states(p, i, n, u + _NUDGE, w, z, j, k), forces_at_states(p, i, n, u - _NUDGE, w, z, j, k)
     (u3, w3), (u4, w4) = forces_at_states(p, i, n, u, w + _NUDGE, z, j, k), forces_at_states(p, i, n, u, w - _NUDGE, z, j, k)

@@ -36,7 +36,7 @@ _AT_BOUND = 1e-15  # |1 - q| over 1 + n below which rounding alone moves the sta
 
 @njit
 def edge_of(alpha, b, n):
-    """Return the u up to which `length_from_zero` holds; infinite for b = 0."""
+    """Return the size u of the state up to which `length_from_zero` holds, near zero; infinite for b = 0."""
     if b == 0.0:
         return np.inf
     return ((NEAR if n >= 1.0 else _NEAR_BELOW_1) * alpha / abs(b)) ** (1.0 / n)
@@ -68,13 +68,13 @@ def length_from_zero(alpha, b, n, u):
 
 @njit
 def work_from_zero(alpha, b, n, u):
-    """Return the integral of u over the length of `length_from_zero`."""
+    """Return the integral of u over the length in which it grows from zero to u, for u up to `edge_of`."""
     return 0.5 * u * u / alpha * series_from_zero(b / alpha * u**n, 0.5 * n)
 
 
 @njit
 def next_panel(alpha, b, n, u, way):
-    """Return the u > 0 up to which q matters little or changes by `_GROWTH` at most; 0 or `edge_of` where it is near."""
+    """Return the u > 0 up to which q = b u^n / alpha is negligible or changes by `_GROWTH` at most; 0 or `edge_of` if near."""
     edge, unseen = edge_of(alpha, b, n), (ROUNDING * alpha / abs(b)) ** (1.0 / n) if b != 0.0 else np.inf
     if way > 0.0:
         return min(edge, unseen if u < unseen else u * _GROWTH ** (1.0 / n))
@@ -83,7 +83,7 @@ def next_panel(alpha, b, n, u, way):
 
 @njit
 def at_length(alpha, b, n, length):
-    """Return u at a length from zero, within the reach of `length_from_zero`."""
+    """Return the u to which the state has grown at a length from zero, for u up to `edge_of`."""
     u = alpha * length
     for _ in range(30):
         step = (length_from_zero(alpha, b, n, u) - length) * (alpha - b * u**n)
@@ -168,7 +168,7 @@ def carry_power(p, i, x0, x1, z, j, c, a):
 
 @njit
 def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
-    """Carry a Bouc-Wen law's state as `carry_power` does and return the work done on the law [J].
+    """Advance a Bouc-Wen law's state in place from deflection x0 to x1 and return the work done on the law [J].
 
     The work is an eight-point Gauss-Legendre sum along each series; near zero it is that of the rest of the force alone.
     `scratch` holds 2 (ORDER + 1) numbers and one more.

@@ -102,6 +102,7 @@ def dispatcher_of(kernels):
 
 
 def _choice(kernels, otherwise):
+    """Make the function that calls one of six kernels, each given with its law's number, or `otherwise`."""
     (n0, f0), (n1, f1), (n2, f2), (n3, f3), (n4, f4), (n5, f5) = kernels
 
     @njit
@@ -211,7 +212,7 @@ evaluate_rarer = dispatcher_of(
 
 @njit
 def evaluate_single(law, p, i, x, v, z, j, zdot, k):
-    """Return the force [N] of a law that is not several in parallel, as `evaluate` does."""
+    """Return the force [N] of a law that is not several in parallel, and write the rates of its states."""
     if law <= KELVIN_VOIGT:
         return common(law, p, i, x, v, z, j, zdot, k)
     return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
@@ -243,7 +244,7 @@ def evaluate(law, p, i, x, v, z, j, zdot, k):
 
 @njit
 def component(p, i, part, n_states):
-    """Return number, first parameter, first state and number of states of one of several laws in parallel with n_states."""
+    """Return law number, first parameter, first state and number of states of one of several laws in parallel."""
     row = i + 1 + 3 * part
     after = int(p[row + 5]) if part + 1 < int(p[i]) else n_states
     return int(p[row]), i + int(p[row + 1]), int(p[row + 2]), after - int(p[row + 2])
@@ -263,7 +264,7 @@ def hold_slips(law, p, i, z, j):
 
 @njit
 def has_closed_form(law, p, i):
-    """Return whether the law of this number has a closed form with these parameters."""
+    """True if the law of this number has a closed form with these parameters."""
     if law in BOUC_WEN_LAWS:
         return p[i + 3] == 1.0 or p[i + 3] == 2.0
     return law in (MASING, VAIANA_ROSATI, STOP, TABULATED)
@@ -290,7 +291,7 @@ def advance_exactly(law, p, i, x0, x1, z, j, trial, unused):
 
 @njit
 def carry_exactly(law, p, i, x0, x1, z, j):
-    """Carry the states in `z[j:]` in place from deflection x0 to x1 as `advance_exactly` does, without summing the work."""
+    """Advance the states in `z[j:]` in place from deflection x0 to x1 by a closed form, without summing the work."""
     if law == MASING:
         masing_increment(p, i, x0, x1, z, j)
     elif law == VAIANA_ROSATI:

@@ -79,7 +79,7 @@ def follow_force(law, p, deflection, z, n_states):
 
 @njit
 def next_start(starts, gains, bracket):
-    """Estimate the start of the closed cycle from starts and gains of the last two, (2,) each; update `bracket`, (2,).
+    """Estimate the state at which a cycle closes from those that began the last two and their gains; update `bracket`, (2,).
 
     The secant through the two, at most eight times their distance; the middle of the bracket where the last step did not
     halve the gain or the secant leaves the bracket; where the last cycle ended, which is inside, while there is no bracket.
@@ -107,7 +107,7 @@ def next_start(starts, gains, bracket):
 
 @njit
 def settle(law, p, turning, n_states, tolerance):
-    """Return the states (n_states,) at the start of a cycle of turning points once they repeat within `tolerance` [N].
+    """Return the states (n_states,) at the start of a steady cycle of turning points: repeated within `tolerance` [N].
 
     After 200 cycles they are returned as they are; NaN if the law leaves the finite numbers.
     """

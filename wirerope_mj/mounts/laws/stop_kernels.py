@@ -20,7 +20,7 @@ _STEEPEST = 4.0  # Largest slope of `graded_node`
 
 @njit
 def rounded_depth(depth, rounding):
-    """Return a depth > 0 [m] as rounded, r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
+    """Return a depth > 0 [m] after rounding, r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
     t = min(depth / max(rounding, _NO_ROUNDING), 1.0)
     within = rounding * t * t * t * (1.0 - 0.5 * t)
     return where(depth >= rounding, depth - 0.5 * rounding, within), t * t * (3.0 - 2.0 * t)
@@ -65,13 +65,13 @@ def stop(p, i, x, v, z, j, zdot, k):
 
 @njit
 def loss_state_after(p, i, w, s, length):
-    """Return the state w after a length in the direction s."""
+    """Return the state w of a stop's loss after a length [m] in the direction s, 1 or -1."""
     return s + (w - s) * math.exp(-p[i] * length)
 
 
 @njit
 def next_corner(p, i, x, s):
-    """Return the next corner of a stop from the deflection x in the direction s [m]; infinite if there is none."""
+    """Return the next corner of a stop's force (touch, end of rounding, knot) from x in the direction s [m]; or infinity."""
     best, n = np.inf, int(p[i + N_POINTS])
     for side in (-1.0, 1.0):
         gap, r = (p[i + BELOW] if side < 0.0 else p[i + ABOVE]), p[i + ROUNDING]
@@ -89,7 +89,7 @@ def next_corner(p, i, x, s):
 
 @njit
 def starts_at_touch(p, i, x, length):
-    """Return whether the force is not smooth, or hardly so, at the start x of an interval: where the stop touches.
+    """True if the force is not smooth, or hardly so, at the start x of an interval: where the stop touches.
 
     x is at the touch of a stop without rounding, or beyond a touch by less than a quarter of the interval.
     """

@@ -22,13 +22,13 @@ _SHORT = 2.0
 
 @njit
 def row_at(p, i, x):
-    """Return how many knots are at or below a deflection: the number of its row of coefficients."""
+    """Return how many knots of the table are at or below a deflection: the number of its row of coefficients."""
     return ranked(p, i + 5, count(p, i + 4), x)
 
 
 @njit
 def cubics(p, i, row, x):
-    """Return M [N] and g [-] of a row of coefficients at a deflection."""
+    """Return the mean force M [N] and the factor g on friction [-] of a row of coefficients at a deflection."""
     c, at = i + 5 + count(p, i + 4), ROW * row
     d = x - picked(p, i + 5, max(row - 1, 0))
     mean = picked(p, c, at) + d * (picked(p, c + 1, at) + d * (picked(p, c + 2, at) + d * picked(p, c + 3, at)))
@@ -98,7 +98,7 @@ def monotone(x: Array, values: Array) -> "scipy.interpolate.PPoly":
 
 
 def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale: float) -> "scipy.interpolate.PPoly":
-    """Return values over a scale as a function of |x|, joined by cubics that are level at its knots; constant without any."""
+    """Return values over `scale` as a function of |x|, joined by cubics that are level at the knots; 0 without values."""
     if len(values) == 0 or scale == 0.0:
         return scipy.interpolate.PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     ends = np.concatenate([-np.array(knots)[::-1], knots])
@@ -114,7 +114,7 @@ def clip_to_curve(x: Array, curve: "scipy.interpolate.PPoly") -> Array:
 
 
 def packed(curve: "scipy.interpolate.PPoly", fraction: "scipy.interpolate.PPoly", z_max: float, x_y: float) -> Array:
-    """Return the kernel's parameters of a law with M and g, `curve` and `fraction`."""
+    """Return the kernel's parameters of a law with the mean force M, `curve`, and the factor g on friction, `fraction`."""
     knots = np.union1d(curve.x, fraction.x)
     rows = np.zeros((knots.size + 1, 8))
     factorials = (1.0, 1.0, 2.0, 6.0)

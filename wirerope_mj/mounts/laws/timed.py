@@ -45,7 +45,7 @@ _ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 
 @njit
 def slope_at(law, p, i, cubic, t, z, scratch):
-    """Return zdot [N/s] and the power [W] at the instant t in the state z."""
+    """Return the rate of the state [N/s] and the power [W] at the instant t of a cubic path in the state z."""
     scratch[0], v = z, speed(cubic, t)
     force = evaluate_single(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
     return scratch[1], force * v
@@ -159,7 +159,7 @@ def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
 
 @njit
 def work_of_law(law, p, cubic, start, end, z, n_states, trial, unused):
-    """Carry the states `z` of a law, or of several in parallel, as `work_over` does; return the work [J]."""
+    """Advance the states `z` of a law, or of several in parallel, in place over start <= t <= end; return the work [J]."""
     if law != PARALLEL:
         return work_over(law, p, 0, cubic, start, end, z, 0, n_states, trial, unused)
     work = 0.0

@@ -191,7 +191,7 @@ def vaiana_rosati(p, i, x, v, z, j, zdot, k):
 
 @njit
 def approach(p, i, x0, x1, z):
-    """Return Vaiana and Rosati's z at x1 on the way from (x0, z); `p[i:]` as their kernel's."""
+    """Return Vaiana and Rosati's state at deflection x1, reached from x0 with the state z; `p[i:]` as for `vaiana_rosati`."""
     side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
     up0, _ = limit_curve(p, i, x0)
     low0, _ = limit_curve(p, i + 8, x0)
@@ -221,7 +221,7 @@ def limit_work(p, i, x):
 
 @njit
 def approach_work(p, i, x0, x1, z):
-    """Return the work done on Vaiana and Rosati's law on the way from (x0, z) to x1 [J]."""
+    """Return the work done on Vaiana and Rosati's law from deflection x0 with the state z to x1 [J]."""
     side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
     up, _ = limit_curve(p, i, x0)
     low, _ = limit_curve(p, i + 8, x0)
