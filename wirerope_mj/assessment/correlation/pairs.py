@@ -247,7 +247,7 @@ def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *,
 
 
 def _resampled(response: Response, measured: Measured, channel: MeasuredChannel) -> tuple[Array, float, tuple[Array, float]]:
-    """Resample both to the lower rate: model's samples, the rate [Hz], the channel's samples with their first instant [s]."""
+    """Resample model and channel to the lower rate: model's samples, rate [Hz], channel's samples and first instant [s]."""
     model = model_history(response, measured, channel)
     rate = (response.time.size - 1) / float(response.time[-1] - response.time[0])
     lower = min(rate, channel.rate)

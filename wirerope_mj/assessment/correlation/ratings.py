@@ -130,7 +130,8 @@ class MagnitudePhase:
 def sprague_geers(measured: Array, computed: Array) -> MagnitudePhase:
     """Compare two histories, (n,), sampled at the same even instants, by energy and by the angle between them.
 
-    M = sqrt(Icc / Imm) - 1, P = arccos(Imc / sqrt(Imm Icc)) / pi, C = sqrt(M^2 + P^2), with I the integrals of the products:
+    Magnitude error M = sqrt(Icc / Imm) - 1, phase error P = arccos(Imc / sqrt(Imm Icc)) / pi, both C = sqrt(M^2 + P^2), with
+    Imm, Icc, Imc the integrals of the products of measured m and computed c:
     Sprague and Geers, A spectral-element method for modelling cavitation in transient fluid-structure interaction, Int. J.
     Numerical Methods in Engineering 60 (2004) 2467. A factor on the computed history changes M alone.
     """
@@ -142,8 +143,8 @@ def sprague_geers(measured: Array, computed: Array) -> MagnitudePhase:
 def russell(measured: Array, computed: Array) -> MagnitudePhase:
     """Compare two histories, (n,), by a magnitude error with one size for factors of 2 and 1/2, and by the angle between them.
 
-    m = (Icc - Imm) / sqrt(Icc Imm), M = sign(m) log10(1 + |m|), P = arccos(Imc / sqrt(Imm Icc)) / pi,
-    RC = sqrt(pi / 4 (M^2 + P^2)): Russell, Error measures for comparing transient data, 68th Shock and Vibration Symposium
+    Magnitude error M = sign(m) log10(1 + |m|), m = (Icc - Imm) / sqrt(Icc Imm), phase P = arccos(Imc / sqrt(Imm Icc)) / pi,
+    both RC = sqrt(pi / 4 (M^2 + P^2)): Russell, Error measures for comparing transient data, 68th Shock and Vibration Symposium
     (1997) part I; RC up to 0.15 is called excellent there, up to 0.28 acceptable.
     """
     angle, of_measured, of_computed = _angle_and_energies(measured, computed)

@@ -60,7 +60,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Judge the compression of every mount, history by history, as `starting_load_verdicts` does for a run.
+    """Judge the compression of every mount at rest, virgin and relaxed, against its rated static load.
 
     Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
     """
@@ -72,7 +72,7 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
 
 
 def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Judge for each history the fraction of the weight on stops or contacts at rest; () where they carry no weight.
+    """Judge the fraction of the weight on stops or contacts at rest, virgin and relaxed; () where they carry no weight.
 
     Isolation is short-circuited there: the base's motion passes through the stops and contacts. Forces across gravity carry
     no weight.
@@ -96,7 +96,7 @@ def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
 
 
 def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Note for each history without an equilibrium that its static loads are not judged, and why."""
+    """Note, if there is no virgin or no relaxed equilibrium, that its static loads are not judged, and why."""
     return tuple(
         Verdict(
             criterion=Criterion(STATIC_LOAD, sense=history), subject="every mount", value=math.nan, limit=None, unit="N",

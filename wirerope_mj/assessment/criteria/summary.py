@@ -164,7 +164,7 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Describe for each history the weight that stops or contacts carry at rest; no line where they carry none."""
+    """Describe the weight that stops or contacts carry at rest, virgin and relaxed; no line where they carry none."""
     return [f"{row.note[:1].upper()}{row.note[1:]}." for row in verdicts if row.criterion.kind == RESTED]
 
 

@@ -73,7 +73,7 @@ def _unjudged(reached: Mapping[str, Array], rated: Mapping[str, float]) -> dict[
 def rest_travel_verdicts(
     isolators: Mapping[str, Isolator], table: StaticTable, bottoms: Mapping[str, str] | None = None
 ) -> tuple[Verdict, ...]:
-    """Judge the travel and bottoming of every mount at rest, history by history.
+    """Judge the travel and bottoming of every mount at rest, virgin and relaxed.
 
     `isolators` and `bottoms`, the names of stops where mounts go solid, are by mount.
     """

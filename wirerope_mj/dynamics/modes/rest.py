@@ -145,6 +145,7 @@ def _stiffness_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilib
     at_rest = data.qfrc_constraint.copy()
 
     def forces(dof: int, step: float) -> Array:
+        """Compute the generalised forces, (n,), after a step of one coordinate."""
         velocity, along = np.zeros(model.nv), np.zeros(model.nv)
         velocity[dof] = step
         data.qpos[:] = rest

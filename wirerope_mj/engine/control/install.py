@@ -91,6 +91,7 @@ def python_callbacks() -> Callbacks:
         return copy_rates(*v.layout, *v.user, *v.rates) if v.is_system and actuator == model.nu - 1 else 0.0
 
     def sensor(model: mujoco.MjModel, data: mujoco.MjData, stage: int) -> None:
+        """Write the system's sensor values, and update peaks and contacts, where MuJoCo has computed accelerations."""
         v = views(model, data)
         if not v.is_system or stage != ACCELERATION_STAGE:
             return

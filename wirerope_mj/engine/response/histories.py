@@ -73,6 +73,8 @@ class MemorySamples:
 
 @dataclass(frozen=True, repr=False)
 class _Columns(Summarised):
+    """Sampled columns of a part of a response, from column `first` on; each quantity is read at first use."""
+
     samples: SampledColumns
     first: int
 

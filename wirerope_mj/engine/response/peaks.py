@@ -95,7 +95,7 @@ class Peak:
 
     @classmethod
     def of(cls, numbers: Array) -> "Peak":
-        """Return the peak made of `SIZE` numbers, (17,), which it keeps."""
+        """Make a peak of its `SIZE` numbers, (17,), which are not copied."""
         peak = object.__new__(cls)
         object.__setattr__(peak, "numbers", numbers)
         return peak

@@ -220,6 +220,7 @@ class FileSamples:
             raise RecordError(f"{self.path}: this file was removed or damaged since it was opened. {_AGAIN}") from None
 
     def _blocks(self, file: "pq.ParquetFile", first: int, last: int) -> Iterator[Array]:
+        """Yield the columns' rows in blocks; RecordError where they are damaged or not finite."""
         if first == last:  # a mount without internal states
             return
         rows, names, row = block_rows(last - first), self.names[first:last], 0

@@ -83,6 +83,7 @@ def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
 
 
 def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMount:
+    """Describe a mount for drawing: its sites in the frames of their bodies, and its device's sizes and ratings."""
     sites = [model.site(name).id for name in (mount.payload_site, mount.base_site)]
     on = [int(model.site_bodyid[site]) for site in sites]
     rotation = data.xmat[on[1]].reshape(3, 3)

@@ -184,7 +184,7 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
 
 
 def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
-    """Describe motions that are steadily faster than samples resolve, as a clause; "" if there are none."""
+    """Describe, as a clause, a base motion that lasts at frequencies too high for the samples; "" if there is none."""
     parts = [part for motion in motions for part in motion.parts if part.kind in _OF_FREQUENCIES]
     fastest = max((1.0 / part.shortest_time for part in parts), default=0.0)
     if fastest <= 0.5 * sample_rate:
@@ -243,7 +243,7 @@ def warn_of_missing_modes(system: System, motions: Iterable[BaseMotion]) -> None
 
 
 def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:
-    """Warn of motions that are steadily faster than samples resolve: histories would show aliases."""
+    """Warn of a base motion that lasts at frequencies too high for the samples: histories would show aliases."""
     if text := aliasing(motions, sample_rate):
         warnings.warn(text, AccuracyWarning, stacklevel=3)
 

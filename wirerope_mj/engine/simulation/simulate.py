@@ -169,7 +169,7 @@ def check_size(
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
+    """Return the versions of the packages that compute a response, read once: that takes half as long as a short run."""
     return {name: version_of(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
@@ -185,7 +185,7 @@ def numerics_of(
 
 
 def check_arguments(**named: float | None) -> None:
-    """Raise ValueError if a named number is not positive or a duration is no time; None is chosen later."""
+    """Raise ValueError if a number is not positive, or a duration shorter than `SHORTEST`; None passes."""
     for name, value in named.items():
         if value is not None:
             positive(name, value)

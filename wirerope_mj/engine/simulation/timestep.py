@@ -348,6 +348,7 @@ class _Pilots:
 
 
 def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
+    """Keep of a trial run what steps are compared by: vectors over time, peaks, and whether contacts were active."""
     tables = system.assembly.tables
     judged = tables.tracked  # what is fixed to the base follows the motion, whatever the step
     names, peaks = [], []

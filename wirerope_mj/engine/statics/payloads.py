@@ -108,7 +108,7 @@ def _joined_coordinates(model: mujoco.MjModel, data: mujoco.MjData, *, of_contac
 
 
 def _roots(system: System) -> list[int]:
-    """Return the ids of the lowest bodies that move on their own, in model order."""
+    """Return the ids of bodies that move relative to base or world and stand directly on one of these, in model order."""
     model, fixed = system.model, {0, system.model.body(system.base).id} if system.base else {0}
     weld = model.body_weldid.tolist()
     return [
@@ -118,7 +118,7 @@ def _roots(system: System) -> list[int]:
 
 
 def _lowest(model: mujoco.MjModel, body: int, roots: list[int]) -> int:
-    """Find the lowest body that carries a body; 0 if none does."""
+    """Find which of the bodies `roots` carries a body; 0 if none does."""
     return next((carrier for carrier in carriers(model, body) if carrier in roots), 0)
 
 

@@ -89,6 +89,7 @@ def _rows(model: mujoco.MjModel, numeric: int, n: int, name: str) -> Array:
 
 
 def _slide(model: mujoco.MjModel, body: int, name: str) -> int:
+    """Return the velocity coordinate of a mode's slide; ModelError unless its body is as a mode's must be."""
     joint = int(model.body_jntadr[body])
     alone = model.body_parentid[body] == 0 and model.body_jntnum[body] == 1 and not model.body_geomnum[body]
     if not alone or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_SLIDE or abs(model.body_mass[body] - 1.0) > 1e-12:

@@ -13,7 +13,7 @@ _FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` e
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:
     """Yield the name and path of each file that a model names: includes, meshes, textures, attached models.
 
-    What files below the model's folder name follows in turn; one that is not well-formed XML is a ModelError.
+    Files that these name in turn follow, if they lie below the model's folder. ModelError if one is not well-formed XML.
     """
     for tree, folders in model_trees(model):
         for name, source, _ in _sources(tree, folders):

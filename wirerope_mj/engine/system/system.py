@@ -234,6 +234,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
 
 
 def _read(source: str | Path) -> tuple[str, Path | None]:
+    """Return the MJCF text of a source, and the path of its file; None for a text that is given itself."""
     if isinstance(source, str) and source.lstrip().startswith("<"):
         return source, None
     if not isinstance(source, str | PathLike):

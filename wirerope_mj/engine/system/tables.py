@@ -145,7 +145,7 @@ def make_tables(
     model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
     nominal: Tables | None = None,
 ) -> Tables:  # fmt: skip
-    """Build the tables of a model whose modelled geometry is computed in `data`.
+    """Build the callback's tables for a model whose modelled geometry is computed in `data`.
 
     `sensor` is the address of the system's first sensor value; of a variant, drive and rows for stops are those of `nominal`.
     """

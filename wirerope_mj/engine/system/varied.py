@@ -206,6 +206,7 @@ def _body(model: mujoco.MjModel, name: str) -> int:
 
 
 def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
+    """Shift and turn the sites of mounts in place, by the changes of a variant."""
     moves: dict[int, tuple[str, tuple[Vector, Vector]]] = {}
     for name, mount in system.mounts.items():
         move = changes.positions.get(name, _NONE), changes.turns.get(name, _NONE)
@@ -240,6 +241,8 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
 
 
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
+    """Word the message for laws with more parameters than the compiled model has room for."""
+
     def size(isolator: Isolator) -> int:
         acting = isolator.conditioned
         parameters = sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None)
