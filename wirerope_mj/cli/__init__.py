@@ -63,7 +63,7 @@ def _check_address_space() -> None:
 
 
 def _open_streams() -> None:
-    """Let nothing that is printed end the command, whose results are wanted all the same."""
+    """Open standard streams that are closed, and keep failures to print from ending the command."""
     for number in range(3):
         try:
             os.fstat(number)

@@ -75,7 +75,7 @@ def summary_of(name: str) -> str:
 
 
 def _add(name: str) -> None:
-    """Let the program know a command, with the line that the list of all commands has of it."""
+    """Register a command by its name, with its summary for the list of all commands."""
     if name not in _known:
         _known.add(name)
         app.command(f"wirerope_mj.cli.{COMMANDS[name]}", name=name, help=summary_of(name))
@@ -92,7 +92,7 @@ def _clear(scratch: str) -> None:
 
 
 def tell_all(name: str) -> None:
-    """Have the help of one command say all that its docstring says."""
+    """Give a command its whole docstring as help."""
     _add(name)
     app[name].help = getdoc(app[name].default_command)
 

@@ -148,7 +148,7 @@ def calibrate(
 
 
 def _loop_test(text: str) -> Test:
-    """Return the test of FILE=PHRASE, loops of the isolator of a mount."""
+    """Read FILE=PHRASE, cyclic tests of a mount's isolator along an axis, as a test to calibrate by."""
     file, sign, phrase = text.rpartition("=")
     said = parse_channel(file, phrase) if sign else None
     if said is None or not said.subject.startswith("mount/"):

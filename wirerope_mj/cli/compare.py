@@ -109,7 +109,7 @@ def _compare_tests(
     paths: Sequence[Path], names: Sequence[str] | None, mapped: Sequence[str], options: dict[str, Any], out: Path | None,
     *, every: bool, force: bool,
 ) -> int:  # fmt: skip
-    """Correlate the first of the paths, a run, with the others, tests."""
+    """Correlate the run at the first path with the measured tests at the other paths."""
     from wirerope_mj.cli.tables import TIMELINE, say_next
     from wirerope_mj.content.correlation import correlation_content
     from wirerope_mj.runs.measured import read_map, write_correlation
@@ -164,7 +164,7 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], target: Path, *, e
 
 
 def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
-    """Return what the runs are called: as is said, or as their folders are, told apart by the folders above or by numbers."""
+    """Name the runs: by `names`, or by their folders, distinguished by parent folders or numbers where these are equal."""
     if names is None:
         paths = [Path(os.path.abspath(folder)) for folder in runs]  # as it is called, also where that is a link
         names = [path.name for path in paths]

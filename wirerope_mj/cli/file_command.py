@@ -12,10 +12,10 @@ from wirerope_mj.cli.options import BAD_INPUT, whole_integers
 def file_command(
     takes: str, first: str, epilogue: str, own: Sequence[inspect.Parameter], lists: Callable[[], None] | None = None
 ) -> Callable[[Callable[[str, Sequence[str]], None]], App]:
-    """Make a command of a function of a file's name and of all that stands behind it, unread: its options, the file says.
+    """Make a command whose function gets the name of a file and unparsed what is behind it, options that the file defines.
 
-    The help of the command itself lists those that are there whatever the file is, `own`. `takes` is what the command takes,
-    `first` says so where an option comes first, `lists` prints what ships for --list.
+    The help of the command itself lists `own`, the options that do not depend on the file. `takes` names the file in the usage
+    line, `first` begins the error if an option stands in its place, `lists` prints what ships, for --list.
     """
     unread = Parameter(parse=False, show=True)
     listed = [option.replace(annotation=Annotated[option.annotation, unread]) for option in own]
@@ -57,7 +57,7 @@ def run_with_options(
     title: str, function: Callable[..., object], own: Sequence[inspect.Parameter],
     action: Callable[[dict[str, Any], dict[str, Any]], None], tokens: Sequence[str],
 ) -> None:  # fmt: skip
-    """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
+    """Parse `tokens` into options of a file's `function`, whose docstring is the help, and `own` ones; `action` gets both."""
 
     def command(**options: object) -> None:
         values = {option.name: options.pop(option.name, option.default) for option in own}

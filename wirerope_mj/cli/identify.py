@@ -154,7 +154,7 @@ def _print_written(out: Path, report: str, *, wanted: bool) -> None:
 
 
 def _kind(name: str, elements: int | None) -> type[Law]:
-    """Return the class of a law that cyclic tests can fix."""
+    """Find the class of a law by its name; ValueError unless cyclic tests can identify it."""
     if name not in LAWS:
         raise ValueError(f"`--law`: there is no law {name!r}; the laws are {', '.join(sorted(LAWS))}.")
     family_of(LAWS[name], _ELEMENTS if elements is None else elements)  # raises if it cannot be identified
@@ -164,7 +164,7 @@ def _kind(name: str, elements: int | None) -> type[Law]:
 
 
 def _fixed(options: Sequence[str]) -> dict[str, float]:
-    """Return the values of NAME=VALUE."""
+    """Read values in SI units by name from texts NAME=VALUE."""
     values = {}
     for option in options:
         name, sign, text = option.partition("=")
@@ -181,7 +181,7 @@ def _fixed(options: Sequence[str]) -> dict[str, float]:
 
 
 def _start(path: Path, axis: str) -> Law:
-    """Return the law of a law file, or of one axis of an isolator file."""
+    """Read the law at which a search starts from a law file, or from one axis of an isolator file."""
     if not path.is_file():
         raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.")
     content = read_toml(path, "start of a search")
@@ -207,7 +207,7 @@ def _marks(folder: Path) -> tuple[str]:
 
 
 def _keep_others(before: Path, folder: Path) -> None:
-    """Copy the other files of a report's folder into the one that replaces it."""
+    """Copy files that are not of the report from its folder into the one that replaces it."""
     for path in before.iterdir() if before.is_dir() else ():
         if path.name in _OURS:
             continue

@@ -85,7 +85,7 @@ def loops(
 
 
 def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
-    """Return the isolator, a name for its files, and whether it may have ratings; a law file is an isolator of one axis."""
+    """Load an isolator, a law file as one of a single axis; return it, a name for its files, and if it may have ratings."""
     import tomllib
 
     from wirerope_mj.foundation.resources import catalogue_folder

@@ -101,6 +101,7 @@ def new(
 
 
 def _write_blank_tables(folder: Path, *, force: bool) -> int:
+    """Write a table to fill in of each kind; RecordError, and none is written, if one is there and `force` is not given."""
     from wirerope_mj.cli.isolators import say_written
     from wirerope_mj.engine.from_tables.forms import blank_table
     from wirerope_mj.engine.from_tables.read import COLUMNS

@@ -15,7 +15,7 @@ _NUMBERS = {int: "an integer", float: "a number without a unit, with a decimal p
 
 
 def integers(hint: object, tokens: Sequence[Token]) -> int | list[int]:
-    """Return the integer or the integers of an option."""
+    """Convert the texts of an option into an integer, or a list of them; ValueError for other texts."""
     several = get_origin(hint) is list
     numbers = []
     for token in tokens:
@@ -49,13 +49,13 @@ Decks = Annotated[bool, Parameter(negative=(), help=_ON_DECKS)]
 
 
 def own_option(name: str, kind: object, default: object, help_text: str, **parameter_options: Any) -> inspect.Parameter:
-    """Return an option of the command itself: its name, type, default, and what --help says."""
+    """Make an option of the command itself from its name, type, default, and its text in --help."""
     annotation = whole_integers(Annotated[kind, Parameter(help=help_text, **parameter_options)], kind)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
 def whole_integers(annotation: object, kind: object) -> object:
-    """Return the annotation of an option; of an integer, one that refuses 2.5 instead of cutting it to 2."""
+    """Make the annotation of an integer option refuse 2.5 instead of cutting it to 2; leave other annotations alone."""
     return Annotated[annotation, Parameter(converter=integers)] if int in (kind, *get_args(kind)) else annotation
 
 
@@ -73,7 +73,7 @@ DECKS = own_option("decks", bool, False, _ON_DECKS, negative=())
 
 
 def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> dict[str, Any]:
-    """Return arguments of `simulate` with the accuracy or the step that was asked for in place of their own.
+    """Replace accuracy and time step among arguments of `simulate` by the one that was given, if any.
 
     ValueError if both are given, or one is out of range.
     """
@@ -93,7 +93,7 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
 
 
 def dated(name: str) -> Path:
-    """Return the folder of a result without `--out`: runs/NAME-DATE-TIME."""
+    """Name the folder of a result without `--out`: runs/NAME-DATE-TIME."""
     return Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 

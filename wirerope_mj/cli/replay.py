@@ -30,6 +30,7 @@ def replay(folder: Path) -> int:
 
 
 def _replay_run(folder: Path) -> int:
+    """Simulate a run again, print whether its numbers agree and files were altered, and return the exit code."""
     from wirerope_mj.runs import replay as replay_run
 
     result = replay_run(folder, progress=True)

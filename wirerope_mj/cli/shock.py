@@ -60,7 +60,7 @@ _RECORD = (
 
 
 def with_motions(function: Callable[..., int]) -> Callable[..., int]:
-    """Add an option for every phrase of a motion, and those of a record, behind the argument of a command."""
+    """Add one option per kind of motion, and those of a record, behind a command's argument, in place of its **motions."""
     forms = [(name, SPOKEN_MOTIONS[kind]) for name, kind in MOTIONS.items()]
     added = [own_option(name, Repeated, None, f'"{form.example}": {form.summary}') for name, form in forms]
     signature = inspect.signature(function)
@@ -71,7 +71,7 @@ def with_motions(function: Callable[..., int]) -> Callable[..., int]:
 
 
 def said_in_options(given: Entries) -> tuple[list[tuple[str, str]], dict[str, Any]]:
-    """Split the options that `with_motions` adds, as far as they are given, into phrases and what they say of a record.
+    """Split the given options of those that `with_motions` adds into phrases of motions and settings of a record.
 
     Returns:
         Kind and text of each phrase, and `record`, `channels`, `direction` and `played` as `said_motion` takes them.

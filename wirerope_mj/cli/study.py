@@ -281,7 +281,7 @@ def compute_and_print(
 
 
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
-    """Return the result of a study of which at least one variant could be simulated."""
+    """Compute a study, or go on with it; an interrupt says how to resume. ValueError if every variant failed."""
     replaces = how.get("force") and not how["resume"] and (folder / STUDY).is_file()
 
     def remedy() -> str:

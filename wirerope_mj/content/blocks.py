@@ -43,7 +43,7 @@ class Curve:
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
-    """Values over two axes as colours of cells."""
+    """Values on a grid over two axes, drawn as coloured cells."""
 
     # x, y: edges of the cells, (n_x + 1,) and (n_y + 1,), rising
     x: Array
@@ -59,7 +59,7 @@ Ticks = Sequence[tuple[float, str]]  # Positions along an axis with their texts;
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves between two axes."""
+    """Curves in one pair of axes."""
 
     curves: Sequence[Curve]  # the first in front
     # ylabel, xlabel, title: texts; "" for none
@@ -125,7 +125,7 @@ def stacked(panels: Sequence[Panel]) -> Chart:
 
 
 def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
-    """Compute the range of `x`, widened at both ends by a fraction of it, by 1 if all are equal."""
+    """Compute the range of `x`, widened at both ends by a fraction of it, by 1 if all values are equal."""
     room = part * float(np.ptp(x)) or 1.0
     return float(x.min()) - room, float(x.max()) + room
 

@@ -127,7 +127,7 @@ def short_fit_content(fit: ShortFit) -> Content:
 
 
 def structural_content(export: StructuralExport) -> Content:
-    """Say what a structural code is told of an isolator, and what its tables and constants leave out."""
+    """Compose what the file for a structural code states of an isolator, and what its tables and constants leave out."""
     rows: list[Row] = []
     for table in export.tables:
         loop, (small, whole) = table.loop, table.secants

@@ -66,6 +66,7 @@ def comfort_content(
 
 
 def _exposure_table(exposures: Mapping[str, Exposure]) -> Table:
+    """Tabulate weighted accelerations, crest factor, vibration dose and motion sickness (ISO 2631-1) by subject and axis."""
     rows: list[Row] = []
     for subject, exposed in exposures.items():
         for axis, weighting in enumerate(("Wd", "Wd", "Wk")):
@@ -89,7 +90,7 @@ def _exposure_table(exposures: Mapping[str, Exposure]) -> Table:
 
 
 def _ship_habitability(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], discard: float) -> Iterator[Block]:
-    """Judge velocities by both editions of ISO 6954, or state why the run cannot be judged."""
+    """Judge vibration velocities by both editions of ISO 6954 (ships), or state why the run cannot be judged."""
     rows: list[Row] = []
     try:
         for subject, values in histories.items():

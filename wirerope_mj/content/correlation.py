@@ -129,6 +129,7 @@ def _histories(test: Correlation) -> Iterator[Block]:
 
 
 def _spectra(test: Correlation) -> Iterator[Block]:
+    """Yield a chart of shock response spectra and roots of PSDs, of model and test, and of their ratios."""
     rows = [
         [_spectra_panel(channel, ratio), _ratio_panel(ratio)]
         for channel in test.responses
@@ -171,6 +172,7 @@ def _ratio_panel(ratio: SpectrumRatio) -> Panel:
 
 
 def _transmissibility(test: Correlation) -> Iterator[Block]:
+    """Yield a chart of acceleration over that of the measured base by frequency, of model and test."""
     rows = []
     for channel in test.channels:
         ratio = channel.transmissibility

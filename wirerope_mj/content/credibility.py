@@ -65,7 +65,7 @@ def reliance(run: JudgedRun) -> Statement:
 
 
 def _band_text(parts: Sequence[_Part]) -> str:
-    """Write the effect of the parts that have a number on peaks, and name the others; "" if none has one."""
+    """Write the uncertainty of peaks by the parts that have a number, and name parts without; "" if none has one."""
     known = [part.size for part in parts if math.isfinite(part.size)]
     unknown = [part.name for part in parts if not math.isfinite(part.size)]
     text = f"Uncertainty of the peaks: ±{with_unit(math.hypot(*known), '%', digits=2)} (90 %), by what has a number"

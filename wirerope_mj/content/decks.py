@@ -90,7 +90,7 @@ Governing = tuple[tuple[str, float], tuple[str, float]]
 
 
 def _governing(run: JudgedRun, peaks: Peaks) -> Governing:
-    """Find the largest acceleration of the payload and the largest deflection of a mount."""
+    """Find name and size of the payload's largest acceleration [m/s^2] and of the largest deflection of a mount [m]."""
     accelerations = {name: peaks.bodies[name].acceleration.value for name in payload_bodies(run.response)}
     accelerations |= {name: point.acceleration.value for name, point in peaks.points.items()}
     deflections = {mount.name: peaks.mounts[mount.name].deflection.value for mount in run.response.scene.isolating}

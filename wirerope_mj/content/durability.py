@@ -38,7 +38,7 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
 
 
 def equivalent_content(vibration: EquivalentVibration) -> Content:
-    """Compose the content of a random vibration of the same damage as a history."""
+    """Compose the content of a random vibration that does the same fatigue damage as a run."""
     (least_at, least), (most_at, most) = vibration.extremes
     rise, fall = vibration.ramps
     played = (

@@ -96,7 +96,7 @@ def first_charts(run: JudgedRun) -> Chart | None:
 
 
 def _with_peak(panel: Panel) -> Panel:
-    """Mark the largest value of the first curve with its instant, if that is in the interval shown."""
+    """Mark the largest value of a panel's first curve with its instant, if that is in the interval shown."""
     first, last = panel.xlim or (-math.inf, math.inf)
     x, y = panel.curves[0].peak or (math.nan, math.nan)
     if not first <= x <= last:

@@ -151,6 +151,7 @@ def _scale_table(result: Identification) -> Table:
 
 
 def _loop_table(fits: Sequence[FittedLoop]) -> Table:
+    """Tabulate the force error of each loop, its stiffness and energy measured and fitted, and the offset of its force."""
     rows: list[list[Cell]] = []
     for fit in fits:
         measured, fitted = fit.measured, fit.fitted

@@ -277,6 +277,7 @@ def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
 
 
 def _cases(job: JudgedJob) -> Iterator[Table]:
+    """Yield the table of load cases: what acts, for how long, from which state, and where it is stated."""
     rows: list[Row] = []
     for case in job.cases:
         simulate = case.run.inputs.get("simulate", {})

@@ -66,6 +66,7 @@ def _fails(job: JudgedJob, case: str) -> bool:
 
 
 def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
+    """Tabulate verdict and most critical limit of every load case in both jobs."""
     rows: list[Row] = []
     for case in dict.fromkeys((*first.verdicts, *second.verdicts)):
         cells: list[Cell] = [case]

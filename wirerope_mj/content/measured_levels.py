@@ -39,7 +39,7 @@ def measured_levels_content(record: str, envelopes: Sequence[SpectrumEnvelope], 
 
 
 def _above(envelope: SpectrumEnvelope) -> Statement:
-    """State how far the curve lies above the measured lines."""
+    """State how far the enveloping curve lies above the lines of the measured spectrum."""
     text = f"Along {envelope.axis}"
     values: dict[str, float | str | None] = {"exceedances": envelope.exceedances, "mean_excess_db": envelope.mean_excess}
     if envelope.q is None:
@@ -55,6 +55,7 @@ def _above(envelope: SpectrumEnvelope) -> Statement:
 
 
 def _points(envelope: SpectrumEnvelope) -> Table:
+    """Tabulate break points and the slopes between them."""
     density = envelope.q is None
     slopes = [f"{slope:+.0f}".replace("+0", "0").replace("-0", "0") for slope in envelope.slopes] + [""]
     return Table(

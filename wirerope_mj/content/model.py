@@ -105,6 +105,7 @@ def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:
 
 
 def _mounts_table(run: JudgedRun) -> Table | None:
+    """Tabulate isolator, bodies, position and axial direction of every mount as modelled; None without mounts."""
     scene = run.response.scene
     if not scene.mounts:
         return None

@@ -75,7 +75,7 @@ def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
-    """Tabulate frequency, damping, tangents and participating mass of every mode."""
+    """Tabulate frequency, damping, tangent frequencies and participating mass of every mode."""
     tangents = Column("tangent,\nunloading", "Hz", "z.3f"), Column("tangent,\nloading", "Hz", "z.3f")
     rows: list[Row] = []
     for number, shape in enumerate(modes.descriptions):
@@ -90,7 +90,7 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
 
 
 def energy_table(system: System, modes: Modes) -> Table | None:
-    """Tabulate the shares of strain energy in every mode; None if only mounts are elastic."""
+    """Tabulate the fractions of each mode's strain energy in mounts, deck and equipment; None if only mounts are elastic."""
     shares = strain_energy(system, modes)
     if shares is None:
         return None
@@ -126,7 +126,7 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
 
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
-    """Yield frequency, damping, tangents, participating mass and mount deflections of a mode."""
+    """Yield frequency, damping, tangent frequencies, participating mass and mount deflections of a mode."""
     mass = ", ".join(f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True))
     yield Statement(
         "mode", f"Small-amplitude natural frequency {_hertz_text(modes.frequencies[mode])}", tone="strong",
@@ -156,7 +156,7 @@ def _frequency_advice(*, at_amplitudes: bool) -> Statement:
 
 
 def about_small(system: System, small: Modes) -> Iterator[str]:
-    """Yield cautions about small-amplitude frequencies: outside their tangents, or of laws with n < 1."""
+    """Yield cautions about small-amplitude frequencies: not between those of the tangents, or of laws with exponent n < 1."""
     outside = small.outside_tangents
     if outside.size:
         which = f"{'modes' if outside.size > 1 else 'mode'} {', '.join(str(row + 1) for row in outside)}"

@@ -38,7 +38,7 @@ EXTREMES = (
 
 
 def mount_blocks(run: RunResult) -> Iterator[Block | None]:
-    """Tabulate extremes of every mount by sense, and its utilisation of the ratings."""
+    """Tabulate extremes of every mount by sense (compression, tension, shear, roll), and its utilisation of the ratings."""
     order = [*by_use(run.verdicts), *(mount.name for mount in run.response.scene.mounts)]
     peaks = sorted(mount_peaks(run.response), key=lambda row: order.index(row.name))
     combined = {row.subject: row for row in run.verdicts if row.criterion == COMBINED}

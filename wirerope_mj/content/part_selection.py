@@ -24,7 +24,7 @@ _HEADINGS = {"price": Column("price", "", ".2f"), "mass": Column("mass of\nmount
 
 
 def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -> Content:
-    """Compose a simulated selection; all parts are shown if `every`, else the first and those nearest to the limits."""
+    """Compose a selection by simulation; all parts are shown if `every`, else the first and those nearest to the limits."""
     tried, meeting = [part for part in selection.tried if not part.reason], selection.meeting
     thing = "part" if len({part.placement for part in tried}) < 2 else "choice"
     counted = f"{several(len(tried), thing)} simulated under {several(len(selection.cases), 'load case')}"
@@ -207,7 +207,7 @@ def _finite(value: float) -> float | None:
 
 
 def selection_content(selection: PartSelection, *, every: bool) -> Content:
-    """Compose a selection by the worksheet; all parts are shown if `every`, the rejected ones with reasons."""
+    """Compose a selection by the vendors' worksheet; all parts are shown if `every`, the rejected ones with reasons."""
     met, rest = len(selection.candidates), len(selection.rejected)
     undecided = sum(part.undecided for part in selection.rejected)
     values = {"met": float(met), "not_met": float(rest - undecided), "not_judged": float(undecided)}
@@ -230,6 +230,7 @@ def selection_content(selection: PartSelection, *, every: bool) -> Content:
 
 
 def _worksheet_statement(sheet: Worksheet) -> Statement:
+    """State what the worksheet demands: load on a mount, velocity change, and bounds of stiffness and travel."""
     rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_loading_text(sheet.loading)}"]
     rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_loading_text(sheet.direction)}")
     if sheet.largest_frequency is not None and sheet.largest_vibration_stiffness is not None:

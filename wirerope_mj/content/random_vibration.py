@@ -38,7 +38,7 @@ def _band(run: JudgedRun) -> tuple[float, float]:
 
 
 def random_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield transmissibility and bands of a random vibration; nothing for other motions, or where none is stationary."""
+    """Yield transmissibility and octave-band rms of a random vibration; nothing for other motions, or if not stationary."""
     if not steady_interval(run.response.motion)[0]:  # before the spectra, which take time, are computed
         return
     if aliased := aliasing([run.motion], run.sample_rate):

@@ -33,7 +33,7 @@ _NUMBERS = (Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"
 
 
 def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()) -> Content:
-    """Compose the content of a frequency response at all levels, with the orders of a machine."""
+    """Compose the content of a frequency response at all excitation levels, with the `bands` of a machine's orders."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
     asked = {
@@ -67,7 +67,7 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
-    """State the resonance with its transmissibility, or why the branches ended early."""
+    """State the resonance with its transmissibility, or why a branch of periodic motions ended early."""
     branches = [summary.level.branch for summary in findings if summary.level.branch is not None]
     incomplete = [branch for branch in branches if not branch.complete]
     if incomplete:
@@ -98,7 +98,7 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
 
 
 def _highest_peak(summary: LevelSummary) -> ResonancePeak:
-    """Find the highest resonance peak of a level, or the largest response of its sweeps."""
+    """Find the highest resonance peak at an excitation level, or the largest response of its sweeps."""
     if summary.peaks:
         return summary.peaks[0]
     way, comparison = max(summary.comparisons.items(), key=lambda item: item[1].peak)
@@ -142,7 +142,7 @@ def _findings(result: FrequencyResponse, findings: Sequence[LevelSummary], bands
 
 
 def peak_table(findings: Sequence[LevelSummary]) -> Table:
-    """Tabulate the peaks of every level's branch, the highest first, and of its sweeps."""
+    """Tabulate the resonance peaks at every excitation level, the highest first, and those of its sweeps."""
     rows: list[Row] = []
     for summary in findings:
         level, branch = summary.level, summary.level.branch
@@ -224,7 +224,7 @@ def _level_statement(summary: LevelSummary, rate: float) -> Statement:
 def amplitude_chart(
     result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *, relative: bool = False
 ) -> Chart:
-    """Draw the payload's largest acceleration, or its ratio to that of the base, over frequency for all levels."""
+    """Draw the payload's largest acceleration, or its ratio to that of the base, over frequency at all levels."""
     options = result.options
     assert options.response_direction is not None
     what = f"{options.payload} along {direction_text(options.response_direction)}"
@@ -339,7 +339,7 @@ def _force_unit(motions: Sequence[Motion], mount: str, axis: int) -> str:
 
 
 def orbit_table(motions: Sequence[Motion], mount: str, axis: int) -> Table:
-    """Tabulate motions: amplitude, stability, range of a mount's loop, work per repetition."""
+    """Tabulate periodic motions: amplitude, stability, range of a mount's loop, work per repetition."""
     rows: list[Row] = []
     for branch, point, orbit in motions:
         state: Cell = "stable" if orbit.stable else Mark("UNSTABLE", "unjudged")

@@ -113,7 +113,7 @@ def run_content(run: JudgedRun) -> Content:
 
 
 def doubtful_numerics(numerics: Numerics) -> Statement | None:
-    """State how it was computed where its estimated error is above the one asked for, or above 1 % of the peaks."""
+    """State how a run was computed if its estimated error exceeds that asked for, else 1 %, or finer steps do not agree."""
     error, asked = numerics.error_estimate, numerics.accuracy
     if numerics.limited_by == SENSITIVE or error > (_LARGE_ERROR if math.isnan(asked) else asked):  # NaN: not estimated
         return replace(numerics_statement(numerics), id="doubtful-numerics", tone="unjudged")

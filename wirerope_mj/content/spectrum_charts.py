@@ -124,7 +124,7 @@ def densities_chart(run: JudgedRun) -> Chart:
 
 
 def rms_along(run: JudgedRun, name: str, axis: str) -> float:
-    """Find the rms acceleration along an axis [m/s^2]: the judged value, or the density's."""
+    """Find the rms acceleration of base, body or point along an axis [m/s^2]: the judged value, or that of its PSD."""
     if name == THE_BASE:
         return float(run.base_rms["xyz".index(axis)])
     verdicts, criterion = () if isinstance(run.random, Absent) else run.random, Criterion(RMS, axis=axis)
@@ -246,7 +246,7 @@ def _over_all_frequencies(panel: Panel) -> Panel:
 
 
 def _diagonals(across: tuple[float, float], upward: tuple[float, float]) -> Iterator[tuple[Curve, list[Note]]]:
-    """Yield the lines of equal displacement, rising, and of equal acceleration, falling, with their labels."""
+    """Yield the diagonals of four-way paper with labels: equal displacement, rising, and equal acceleration, falling."""
     (f0, f1), (v0, v1) = across, upward
     middle = math.sqrt(f0 * f1)
 

@@ -113,6 +113,7 @@ def _beyond_travel(verdicts: Sequence[Verdict]) -> bool:
 
 
 def _sag_table(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> Table:
+    """Tabulate sag, load, part of the weight and verdict of every mount, in each equilibrium."""
     columns = (
         *left("mount", "history"), Column("axial", "mm", "z.3f"),
         Column("across", "mm", "z.3f"), Column("axial\nload", "kN", "z.3f"), Column("carries", "kN", "z.3f"),

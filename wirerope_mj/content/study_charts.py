@@ -163,7 +163,7 @@ def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) 
 
 
 def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequence[str]) -> Chart:
-    """Draw measures over the only number that varies."""
+    """Draw measures (results) of the variants over the only varied input, a number."""
     x = np.asarray(table[name], dtype=np.float64)
     order, panels = np.argsort(x), []
     for shown in map(measure_of, names):
@@ -179,7 +179,7 @@ def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequen
 
 
 def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
-    """Draw measures of each choice as bars, the largest first."""
+    """Draw measures (results) as bars for each choice of the only varied input, the largest first."""
     order = np.argsort(-np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     chosen = (table[name][int(row)].as_py() for row in order)  # "" where no mount fails
     choices = [f"{value:g}" if isinstance(value, float) else str(value) or "none" for value in chosen]

@@ -88,7 +88,7 @@ def verdict_bars(heading: str, named: Iterable[tuple[str, str, Verdict]]) -> Tab
 
 
 def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]], most: int = _BARS) -> Table:
-    """Tabulate utilisations as bars, each behind two names and before a text; those beyond `most` are folded away."""
+    """Tabulate utilisations as bars; a row is two names, utilisation and text; rows beyond `most` are folded away."""
     return Table(
         "criteria", "",
         [Column(heading, align="text"), *left("where"), Column("used", "%", "z.0f", bar=True), *left("value and limit")],

@@ -42,7 +42,7 @@ Part = tuple[Box, str]  # What is drawn in a box, in the coordinates of the fram
 
 
 class _Stage:
-    """A run in its part of the frame: what stays, and what moves."""
+    """A run in its part of the frame: drawings that are the same in all frames, and those that change."""
 
     def __init__(self, run: FilmedRun, left: float, width: float, size: float) -> None:
         self.run, self.left, self.width, self.size = run, left + _EDGE, width - 2.0 * _EDGE, size
@@ -55,7 +55,7 @@ class _Stage:
                 self.still.append(_text(self.left, self.top, line, size * height, colour=colour, bold=height > _NOTE))
 
     def place(self, top: float) -> None:
-        """Place scenes and curves below `top`: beside each other, or of several runs below each other."""
+        """Place scenes and curves below `top` [pixels]: of one run beside each other, of two runs below each other."""
         self.line, bottom, unit = top + 1.3 * _TEXT, SIZE[1] - _CAPTION, self.size * _UNIT
         top, alone = self.line + _GAP, self.size == 1.0
         width, height = (0.5 * self.width, bottom - top) if alone else (self.width, _SCENES * (bottom - top))
@@ -120,11 +120,11 @@ class Frames:
         return [part for stage in self._stages for part in stage.moving(float(self._film.instants[number]))]
 
     def background(self) -> bytes:
-        """Draw what stays as PNG."""
+        """Draw what is the same in all frames as PNG."""
         return self._png(self.still, (0, 0, *SIZE), hexadecimal(LIGHT.ground))
 
     def write(self, numbers: Sequence[int], folder: Path) -> None:
-        """Write what moves in some frames as PNG files, whose names say frame, order and place."""
+        """Write what moves in the frames `numbers` as PNG files, whose names say frame, order and position."""
         for number in numbers:
             for order, (box, part) in enumerate(self.moving(number)):
                 left, top = int(box[0]), int(box[1])

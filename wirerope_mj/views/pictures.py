@@ -40,7 +40,7 @@ def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, titl
 
 
 def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
-    """Write an <svg> element of a width and height in the format of the path's suffix, whole or not at all; errors as above."""
+    """Write an <svg> element of a size in the format of the path's suffix, whole or not at all; errors of `save_pictures`."""
     kind = path.suffix.lower()
     if kind not in (".png", ".svg", ".pdf"):
         raise ValueError(f"the picture {path} must end with .png, .svg or .pdf.")

@@ -45,6 +45,7 @@ def console() -> Console:
 
 
 def show(content: Content, *sections: str) -> None:
+    """Print a content with its title, or only the sections of the given ids."""
     if not sections:
         console().print(Text(plain_lines(content.title), style="bold"), soft_wrap=True)
     for section in content.sections:
@@ -77,7 +78,7 @@ def print_headline(statement: Statement) -> None:
 
 
 def show_result(content: Content, *brief: str, others: Iterable[str], every: bool) -> None:
-    """Print a verdict and the sections that ground it in `brief`; before them, where `every` table is asked for, `others`."""
+    """Print a verdict and the sections `brief`, its grounds; before them, if `every` table is wanted, the sections `others`."""
     for section in others if every else ():
         show(content, section)
     print_headline(content.verdict)

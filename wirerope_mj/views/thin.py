@@ -18,7 +18,7 @@ _INTERVALS = 400  # Of an envelope, each a few points of a plot wide
 
 
 def is_dense(time: Array, values: Array, tolerance: Array | float) -> bool:
-    """Check whether series (n_t, k) oscillate too often for lines."""
+    """Tell whether series (n_t, k) oscillate too often to be drawn as lines within a tolerance, with `DENSE` rows at most."""
     return time.size > DENSE and rows_of_line(time, values, tolerance, limit=time.size).size > DENSE
 
 

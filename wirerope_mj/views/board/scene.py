@@ -27,8 +27,8 @@ def board_scene(
 ) -> Entries:  # fmt: skip
     """Compose the scene of a board; `used` are utilisations of mounts by name, and mounts that `collide` are marked.
 
-    What stands in a `layout` can be moved: its names are those of rows of tables. The things called `names` are on their way
-    `by` a shift [mm].
+    What stands in a `layout` can be moved: its names are those of rows of tables. The things called `names` are being
+    dragged: their positions contain the shift `by` [mm].
     """
     scene = scene_of(system)
     mounts, stops = [], []

@@ -86,6 +86,7 @@ class _Guard:
             raise
 
     def _refusal(self, scope: Scope) -> Response | None:
+        """Answer a request with why it is refused: its host, origin, method, body or token; None if it is let through."""
         headers, path = Headers(scope=scope), scope["path"]
         origins = headers.getlist("origin")
         if headers.getlist("host") not in [[host] for host in self.hosts]:
@@ -106,7 +107,7 @@ class _Guard:
 
 
 class _Connection(H11Protocol):
-    """A connection; when there are too many, the oldest that is no window makes room."""
+    """An HTTP connection; where there are more than `_CONNECTIONS`, the oldest that is no window is closed."""
 
     opened = 0.0
 
@@ -120,7 +121,7 @@ class _Connection(H11Protocol):
 
 
 class _Socket(WebSocketsSansIOProtocol):
-    """The socket of a window; one that does not read is ended, and may connect again."""
+    """The WebSocket of a window; it is closed if the browser does not read, and may connect again."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
@@ -197,9 +198,9 @@ class BoardServer(uvicorn.Server):
         return FileResponse(path, headers={"Content-Security-Policy": policy})
 
     async def _view(self, request: Request) -> Response:
-        """Send on to the viewer's page, which asks for its files beside it and for the recording above it.
+        """Redirect to the page of rerun's viewer, which requests its files and the recording by relative addresses.
 
-        It has this machine's other name: so browsers give it a process of its own, and it cannot hold up the board.
+        It is called by this machine's other name, so that browsers run it in a process of its own: it cannot hold up the board.
         """
         name = request.query_params.get("recording", "")
         self._path(name, ".rrd")

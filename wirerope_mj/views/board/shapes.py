@@ -24,7 +24,7 @@ _BARS = np.array([[[0, -1, side], [0, 1, side]] for side in (-1, 1)])
 def drawn(
     items: Sequence[Entries], *, movable: bool = True, names: Sequence[str] = (), by: Sequence[float] = (0, 0, 0)
 ) -> Entries:
-    """Draw items into all views; those called `names` stand `by` a shift [mm] from where they stand until they are let go.
+    """Draw items into all views; those called `names` are being dragged: their positions contain the shift `by` [mm].
 
     Each has its `kind`, `label` and `position`; boxes their `size`; mounts `axial`, `bars`, `height`, `width` and what is
     `used`; centres their `mark`; and what can be selected a `name`, and `movable`.
@@ -89,7 +89,7 @@ def _mark(item: Entries, axes: tuple[int, int], centres: Mapping[str, Array]) ->
 
 
 def _labels(shown: Sequence[Entries], centres: Mapping[str, Array]) -> Iterator[Entries]:
-    """Yield words of items, HTML, in a longer and a shorter form, the most important first, with what they stand at."""
+    """Yield labels of items as HTML, in forms from long to short, the most important first, with the item's index `of`."""
     for of in sorted(range(len(shown)), key=lambda of: (_RANKS.index(shown[of]["kind"]), -of)):
         item, label = shown[of], str(escape(shown[of]["label"]))
         if item["kind"] == "mount":

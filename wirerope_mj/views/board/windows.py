@@ -72,10 +72,10 @@ class _Request:
 
 
 class Windows:
-    """All windows of a board: they are told what changes, and what they ask for is done in one thread, in order.
+    """All windows of a board: each is sent what changes, and the actions that they ask for are taken in one thread, in order.
 
-    Requests that have more to tell go on when no other waits, the newest first. The first asks for the verdict, which so is on
-    its way while a browser starts. The thread keeps no process from ending.
+    An action that has more messages to yield goes on when no other waits, the newest first. The first action is to judge, so
+    that the verdict is computed while a browser starts. The process may end while this thread runs.
     """
 
     def __init__(self, board: Served) -> None:
@@ -115,7 +115,7 @@ class Windows:
             self._open.remove(window)
 
     def _action(self, text: str | None) -> tuple[Entries | None, Entries]:
-        """Read an action that is to be done, or say at once what there is to say: one that is known is not done again."""
+        """Read an action from a message; None, with the answer, if it is none, or came before and is sent again."""
         try:
             action = _read(text)
         except (ValueError, RecursionError):
@@ -127,7 +127,7 @@ class Windows:
         return action, {}
 
     def _conduct(self) -> None:
-        """Take the requests in order until the end, and look at times for what others have changed."""
+        """Take the requests in order until `close`, and look every half second whether other programs changed the files."""
         look, failed = monotonic() + _WATCH, ""
         while True:
             with suppress(Empty):
@@ -149,7 +149,7 @@ class Windows:
                 self._go_on(self._begun[-1])
 
     def _go_on(self, request: _Request) -> None:
-        """Compute as far as the next message, which may make earlier verdicts void, and tell it."""
+        """Continue an action up to its next message and send that; a "stale" one ends actions that judge earlier positions."""
         everyone, text, number = False, "", request.action.get("id") if request.steps is None else None
         try:
             request.steps = request.steps or self.board.act(request.action)
@@ -210,7 +210,7 @@ def _text(message: Entries) -> str:
 
 
 def _failure(error: Exception) -> str:
-    """Word an error for a window; what nobody meant to raise is printed."""
+    """Write an error as a message for a window; an unexpected one is printed on the terminal with its traceback."""
     expected = isinstance(error, WireRopeError | ValueError)
     if not expected:
         traceback.print_exception(error)

@@ -134,6 +134,7 @@ class _Writer:
         self, text: str, *, tone: str = "", bold: bool = False, keep: bool = False, close: bool = False, small: bool = False,
         style: str | None = None,
     ) -> Any:  # fmt: skip
+        """Add a paragraph in the colour of a tone; `keep` puts it on the next one's page, `close` leaves little space below."""
         from docx.shared import Pt, RGBColor
 
         paragraph = self.document.add_paragraph(style=style)

@@ -44,6 +44,7 @@ def _report(content: Content) -> Entries:
 
 
 def _entry(block: Block) -> Entries:
+    """Write a block as the template reads it: a statement, a table by rows, or a picture as SVG."""
     if isinstance(block, Statement):
         return {"kind": "statement", "id": block.id, "text": block.text, "items": block.items, "tone": block.tone}
     if isinstance(block, Table):

@@ -49,7 +49,7 @@ Placed = tuple[float, float, str]  # Left, top and an <svg> element
 
 
 def scene_svgs(view: SceneView) -> list[str]:
-    """Draw plan, elevation and key of a modelled geometry, or plan and elevation at an instant over it, pale."""
+    """Draw plan, elevation and key of a modelled geometry, or plan and elevation at an instant over a pale modelled one."""
     scene, moved, whole = view.scene, view.moved, view.moved is None and view.absent is None
     drawn, devices, parts = drawn_scene(scene), list(dict.fromkeys(mount.isolator for mount in scene.drawn)), []
     after = None if moved is None else drawn_scene(moved)
@@ -78,7 +78,7 @@ def scene_svgs(view: SceneView) -> list[str]:
 
 
 def stage_svgs(drawn: DrawnScene, width: float, height: float) -> tuple[list[Placed], Callable[[SceneView], list[str]]]:
-    """Draw plan and elevation in one scale: what stays, with its place in a room, and what draws the rest at an instant.
+    """Draw plan and elevation in one scale: fixed parts with their places in an area, and a function that draws moving ones.
 
     They stand beside or below each other, whichever lets them be larger.
     """
@@ -138,7 +138,7 @@ def _moved(view: SceneView, after: DrawnScene, side: View, place: Place, width: 
 
 
 def _drawing(drawn: DrawnScene, side: View, size: tuple[float, float], width: float, parts: Iterable[str]) -> str:
-    """Draw a view of a size in the middle of a width."""
+    """Write a view as an <svg> element of a width, with its axes, of `size`, in the middle."""
     shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
     head = _svg_head(width, size[1] + _TOP + _BOTTOM, f"{drawn.scene.name} {side.title}", int(WIDTH / width) or 1)
     return f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{"".join(parts)}</g></svg>'
@@ -168,6 +168,7 @@ def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple
 
 
 def _axes(view: View, size: tuple[float, float], place: Place, width: float) -> Iterator[str]:
+    """Yield the grid, frame, title and numbers [m] of a view of a size."""
     zero = place(np.zeros(2))
     scale = float(place(np.ones(2))[0] - zero[0])
     across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))

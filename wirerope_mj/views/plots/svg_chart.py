@@ -170,6 +170,7 @@ def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> str:
+    """Draw grid lines, frame and numbers of both axes, those of the horizontal one if `labelled`."""
     left, right = across(across.low), across(across.high)
     bottom, top = upward(upward.low), upward(upward.high)
     xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (42.0 if across.log else 62.0))))

@@ -20,7 +20,7 @@ ROWS = 36  # Rows of a period of the base: ten degrees each
 
 @dataclass(frozen=True, kw_only=True)
 class Strip:
-    """Motions of one level in the order of its branch."""
+    """Periodic motions at one excitation level, in order along its response curve (branch)."""
 
     number: int  # index of the level
     branch: Branch
@@ -45,7 +45,7 @@ class Strip:
 
 @dataclass(frozen=True, kw_only=True)
 class Animation:
-    """The motions of a strip in succession, one repetition of each."""
+    """The periodic motions of one level in succession, one repetition of each."""
 
     strip: Strip
     starts: Array  # instant at which each motion begins [s], (n,)
@@ -66,7 +66,7 @@ def strips_of(findings: list[LevelSummary]) -> list[Strip]:
 
 
 def animation_of(strip: Strip) -> Animation:
-    """Join the motions of a strip one after the other.
+    """Join the periodic motions of one level into one response, one repetition of each after the other.
 
     Each ends at the largest acceleration of the payload, which the scene then shows at every point of the branch.
     """
@@ -99,13 +99,13 @@ FREQUENCY = "frequency_mHz"
 
 
 def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:
-    """Index the motions of a strip on the timelines over the branch and in time."""
+    """Make the index of a level's motions on all timelines: their numbers, frequencies [mHz] and instants."""
     columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
 
 class Along(Stream):
-    """A recording stream that puts rows in time on other timelines, too.
+    """A recording stream that puts what is sent in time also on timelines of motions: their number, frequency or mode.
 
     `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
     """

@@ -18,7 +18,7 @@ _SHARES = [1, 11]  # widths of tile and text
 
 
 def banner_view(tone: str, texts: Sequence[Pane]) -> Pane:
-    """View the tile, its pane filled with the colour of the tone, beside the texts."""
+    """Lay out the banner: the tile with the answer, on the colour of its tone, beside the texts."""
     tile = rrb.Spatial2DView(
         origin=child(PATH, "tile"), name=" ", background=_TONES.get(tone, DARK.accent),
         visual_bounds=rrb.VisualBounds2D(x_range=[0.0, _WIDTH], y_range=[0.0, _HEIGHT]),

@@ -61,7 +61,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
-    """Find the width of the frames of loops by axis, by the number of loops that share the pane."""
+    """Find the width of the frames of loops by axis, from the number of loops that share the pane."""
     shared = drawn.shared
     return {axis: fitting_width(_TABS, *grid_shape(len(shared.shown(axis)))) for axis in shared.axes}
 
@@ -158,7 +158,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
 
 
 def _overview(drawn: Drawn) -> rrb.Container:
-    """Compose the first tab: of one run utilisation, spectra and lanes; of several the differences."""
+    """Compose the first tab: of one run utilisation, spectra and lanes (states over time); of several the differences."""
     keys = drawn.overview
     if (run := drawn.alone) is None:
         columns = 1 if len(keys) <= 3 else 2

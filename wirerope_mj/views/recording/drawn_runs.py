@@ -125,7 +125,7 @@ def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
 def several_runs(
     responses: Mapping[str, Response], align: Align, verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Drawn:
-    """Compose the recording of runs over each other; verdicts as `compare_runs` takes them.
+    """Compose the recording of runs over each other; `verdicts` by run, those of `judge` where none are given.
 
     ValueError if there are too few or too many, or `align` is unknown; RecordError if they share nothing, or a run has no
     shock to align.

@@ -121,12 +121,14 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
 
 
 def loop_grid(loops: int) -> tuple[int, float]:
+    """Find the columns of a grid of so many loops, and the width of their frames."""
     columns = 1 if loops == 1 else 2
     rows = -(-loops // columns)
     return columns, fitting_width(PANE, columns, rows)
 
 
 def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float, tone: str) -> rrb.Blueprint:
+    """Lay out a recording of branches: banner, scene, texts, Floquet multipliers, response curve and loops."""
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
     )
@@ -190,6 +192,7 @@ def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) 
 
 
 def shown_loops(animation: Animation) -> list[tuple[str, int]]:
+    """Choose mount and axis of the loops that do most work at the highest amplitude, at most `MOST_LOOPS`."""
     highest = animation.strip.orbits[int(np.argmax(animation.strip.amplitude))]
     return busiest_loops(highest.response)[:MOST_LOOPS]
 
@@ -199,7 +202,10 @@ def loop_path(mount: str, axis: int) -> str:
 
 
 def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
-    """Log the busiest loops of all levels, and shape and phase portrait of the first."""
+    """Log loops of the mounts that do most work, at every level and with a cursor; of the first of them also two other plots.
+
+    These are its shape, the loop scaled to its own ranges, and its phase portrait, deflection rate over deflection.
+    """
 
     def loops_over(strip: Strip, mount: str, axis: int) -> list[Array]:
         return [loop_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
@@ -211,7 +217,7 @@ def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, w
         ]
 
     shown = shown_loops(animation)
-    lift, most = (LARGE, 6) if len(shown) <= 2 else (2.0 * LARGE, 4)  # of small frames numbers would touch
+    lift, most = (LARGE, 6) if len(shown) <= 2 else (2.0 * LARGE, 4)  # in small frames more numbers would overlap
     for mount, axis in shown:
         loops = [loops_over(strip, mount, axis) for strip in strips]
         points = np.concatenate([loop for part in loops for loop in part])

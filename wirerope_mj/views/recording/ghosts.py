@@ -87,7 +87,7 @@ def ghost_factor(drawn: Drawn) -> float:
 
 
 def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
-    """Log the ghosts of all runs; of a run alone in its own colours, over its bodies at the start."""
+    """Log ghosts, transparent bodies in enlarged motion, of all runs; of a run alone in its own colours, over its start."""
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     bases: list[str] = []
     for number, run in enumerate(drawn.runs):

@@ -78,7 +78,7 @@ def grid_shape(plots: int) -> tuple[int, int]:
 
 
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
-    """Compute the loop of every mount along every axis with a force, the most used mount first."""
+    """Compute the loop of every mount along every axis with a force, the mount nearest to its rated travel first."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     loops = []
     for number, axis in enumerate(AXES):
@@ -127,7 +127,7 @@ def loop_plots(drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, w
 
 
 def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
-    """Log all loops; those with a view with frame, trail and cursor."""
+    """Log all loops; those that have a view of their own with frame, cursor and the trail (path) behind it."""
     for axis in AXES:
         others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
         if others:

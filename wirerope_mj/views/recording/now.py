@@ -21,6 +21,7 @@ _STEP = 0.1  # step of the utilisation between two colours
 
 
 def log_cursor(rec: Stream, run: RunResult) -> None:
+    """Log the text with values of mounts and accelerations at the time cursor."""
     time = run.response.time
     rows = cursor_rows(time, run.selection, _ROWS)
     texts = [
@@ -32,7 +33,7 @@ def log_cursor(rec: Stream, run: RunResult) -> None:
 
 
 def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Rows:
-    """Choose rows evenly over the window, and a quarter as many over the whole run."""
+    """Choose `most` rows of samples evenly over the interval shown, and a quarter as many over the whole run."""
     within = np.linspace(*selection.window, most)
     outside = np.linspace(time[0], time[-1], most // 4)
     rows = np.searchsorted(time, np.concatenate([within, outside])).clip(0, time.size - 1)
@@ -105,7 +106,7 @@ def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
 
 
 def plan_bounds(response: Response) -> tuple[list[float], list[float]]:
-    """Find the ranges of the plan, across and downwards, with a margin."""
+    """Find the ranges of the plan of the mounts, across and downwards [m], with a margin."""
     places = np.array([mount.base_point[:2] for mount in response.scene.isolating]) * [1.0, -1.0]
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.12 * max(float(np.max(high - low)), 1e-3)

@@ -152,7 +152,7 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
 
 
 def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
-    """Log the lanes of a run alone."""
+    """Log the lanes (states over time) of a run: phase of the base's motion, stops pressed, use of the worst limit."""
     end = selection.window[1]
     start = float(response.time[0])
     phases = [(start, 1 if response.base.acceleration.any() else 0)]
@@ -191,7 +191,7 @@ def _lane_path(name: str) -> str:
 def _log_lane(
     rec: Stream, name: str, changes: list[tuple[float, int]], states: Sequence[tuple[str, Sequence[int]]], end: float
 ) -> None:
-    """Log a lane up to `end` [s]; a state too short for its name shows only its colour."""
+    """Log a lane of `changes`, instant [s] and number of a state, up to `end` [s]; short states show only their colour."""
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]
     rec.log(_lane_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)

@@ -103,7 +103,7 @@ def nanoseconds(time: ArrayLike) -> npt.NDArray[np.timedelta64]:
 
 
 def at(time: ArrayLike) -> list[rr.TimeColumn]:
-    """Index rows at the instants `time` [s]."""
+    """Make the timeline's index of rows at the instants `time` [s]."""
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
 

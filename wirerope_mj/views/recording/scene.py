@@ -293,7 +293,7 @@ def _base_bounds(response: Response, extent: float) -> tuple[Array, Array]:
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
-    """Choose the rows at which the bodies on the base get new poses."""
+    """Choose the rows of samples at which moving bodies are drawn anew, as few as a picture needs."""
     moving = [frame for name, frame in frames.items() if not frame.fixed and name != response.scene.base]
     deflections = [mount.deflection for mount in response.mounts.values()]
     lengths = [frame.position for frame in moving] + deflections

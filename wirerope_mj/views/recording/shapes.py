@@ -21,7 +21,7 @@ _CHECKED_ROWS = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """A body's frame in its parent's."""
+    """The frame of a body in that of its parent body, over time."""
 
     path: str  # entity of the body
     position: Array  # centre of mass in the parent's frame [m], (n_t, 3), or (1, 3) if it never moves there
@@ -149,6 +149,7 @@ def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
 
 
 def _solids(shape: str, geoms: list[Geom]) -> rr.AsComponents:
+    """Make the boxes, cylinders, capsules or ellipsoids of rerun that draw geoms of one shape."""
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {

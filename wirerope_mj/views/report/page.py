@@ -59,6 +59,8 @@ def blocks_html(blocks: Iterable[Block | None]) -> str:
 
 @cache
 def _environment() -> Environment:
+    """Make the environment of the page's templates: safe texts, and filters and tests for blocks."""
+
     def shown(value: object) -> object:
         return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 

@@ -11,6 +11,7 @@ _INSTANT = re.compile(r'(<td class="[^"]*" data-instant="([0-9.eE+-]+)">)([^<]*)
 
 
 def linked_report(page: str) -> str:
+    """Link the instants in the tables of a report's page to the viewer in the folder beside it."""
     address = f"{VIEWER}/index.html"  # not the folder's: some servers hand out files alone
     linked, count = _INSTANT.subn(rf'\1<a href="{address}#\2" target="viewer">\3</a>\4', page)
     where = "; instants in the tables open it where they are" if count else ""
