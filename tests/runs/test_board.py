@@ -128,11 +128,13 @@ def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
 
 @pytest.mark.parametrize(("name", "y"), [("m1", -372.0), ("m5", 372.0)])
 def test_on_the_floor_after_the_wall_a_mount_stands_below_the_equipment(board, name, y):
-    floor = mount(act(board, do="stand", names=[f"mount/{name}"], on="floor"), name)["position"]
-    assert abs(mount(act(board, do="stand", names=[f"mount/{name}"], on="wall"), name)["position"][1]) > 402.0
-    back = mount(act(board, do="stand", names=[f"mount/{name}"], on="floor"), name)
+    floor, wall, back = (
+        mount(next(board.act({"do": "stand", "names": [f"mount/{name}"], "on": on}))[1], name)
+        for on in ("floor", "wall", "floor")
+    )
+    assert abs(wall["position"][1]) > 402.0
     assert back["axial"] == [0.0, 0.0, 1.0]
-    assert back["position"] == [floor[0], y, floor[2]]
+    assert back["position"] == [floor["position"][0], y, floor["position"][2]]
 
 
 def test_a_row_is_found_by_the_name_that_it_had(board):
@@ -197,20 +199,27 @@ def test_what_is_not_judged_has_no_share_and_one_share_is_written_by_one_rule(bo
     board._verdicts.used = {"m1": 1.19496}  # to four digits first it would be 120 %
     words = mount(board.open(), "m1")["words"]
     assert words.endswith("119 % used")
-    act(board, do="case", case="0", key="motions", value="half-sine 5 g 11 ms z")
+    next(board.act({"do": "case", "case": "0", "key": "motions", "value": "half-sine 5 g 11 ms z"}))
     hung = mount(act(board, do="stand", names=[f"mount/m{n}" for n in range(1, 7)], on="ceiling"), "m1")
     assert (hung["used"], hung["tone"]) == (None, "quiet")
 
 
 def test_every_load_case_says_its_motion_and_what_came_out(board):
-    act(board, do="add-case")
+    next(board.act({"do": "add-case"}))
     verdict = act(board, do="case", case="1", key="motions", value="half-sine 2 g 11 ms x")["html"]["verdict"]
     assert "shock\nhalf-sine 10 g 11 ms along z → " in verdict
     assert "case 1\nhalf-sine 2 g 11 ms along x → " in verdict
     assert '<details id="of-case-1"><summary>case 1: <span class="' in verdict
 
 
-def test_parts_are_found_and_tried_in_all_places(board):
+def test_parts_are_found_and_tried_in_all_places(board, monkeypatch):
+    def futures(function, questions, stop):
+        made = [Future() for _ in questions]
+        for future, question in zip(made, questions, strict=True):
+            future.set_result(function(question))
+        return made
+
+    monkeypatch.setattr("wirerope_mj.studies.engines.local.futures_of_processes", futures)
     assert "CB1400-10" in act(board, do="find", value="cb1400")["html"]["found"]
     assert "No part" in act(board, do="find", value="WR99")["html"]["found"]
     assert "<svg" in act(board, do="loops", value="WR12-400")["html"]["loops"]
@@ -222,23 +231,38 @@ def test_parts_are_found_and_tried_in_all_places(board):
     assert "no part" in act(board, do="loops", value="x")["said"]
 
 
-def test_parts_are_tried_by_other_processes_counted_and_stopped(board):
+def test_parts_that_are_tried_are_counted_and_of_the_position_as_they_were_asked_for(board, monkeypatch):
+    made = [Future(), Future()]
+    monkeypatch.setattr("wirerope_mj.studies.engines.local.futures_of_processes", lambda function, questions, stop: made)
     asked = board.act({"do": "try-parts", "value": "WR1*"})
     begun = next(asked)[1]["html"]["tried"]
     assert "Tried 0 of 16 parts." in begun
     assert "stop-trial" in begun
-    answer = next(asked)[1]
-    assert "of the position before" in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["html"]["left"]
-    assert "of the position before" not in act(board, do="undo")["html"]["left"]
+    assert next(asked)[1] is made[0]
+    made[0].set_result(parts_tried(board._loaded.job.system, {}, {f"WR1{n}": "no isolator" for n in range(8)}))
+    assert "Tried 8 of 16 parts." in next(asked)[1]["html"]["tried"]
+    assert next(asked)[1] is made[1]
+    note = "of the position before"
+    assert note in next(board.act({"do": "move", "names": ["mount/m1"], "by": [10, 0, 0]}))[1]["html"]["left"]
+    assert note not in next(board.act({"do": "undo"}))[1]["html"]["left"]
     stopped = act(board, do="stop-trial")["html"]["tried"]
-    assert "Stopped: tried" in stopped
+    assert "Stopped: tried 8 of 16 parts." in stopped
     assert "stop-trial" not in stopped
-    with suppress(CancelledError):
-        answer.result()
-    for _, message in asked:  # what was on its way as it was stopped
+    made[1].cancel()
+    assert not [*asked]
+
+
+@pytest.mark.slow
+def test_other_processes_try_parts_until_they_are_stopped(board):
+    asked = board.act({"do": "try-parts", "value": "*"})
+    answers = [next(message for _, message in asked if isinstance(message, Future)) for _ in range(2)]
+    answers[0].result()
+    act(board, do="stop-trial")
+    for _, message in asked:
         with suppress(CancelledError):
-            message.result()
-    assert board._trial._answers[-1].cancelled()
+            assert isinstance(message, dict) or message.result()
+    with pytest.raises(CancelledError):
+        board._trial._answers[-1].result()
 
 
 def test_why_parts_cannot_be_tried_is_said(board):
