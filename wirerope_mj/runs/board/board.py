@@ -255,21 +255,17 @@ def _shifted(loaded: Loaded, names: Sequence[str], by: Array) -> System:
     return varied(system, positions=dict.fromkeys([*(name.partition("/")[2] for name in names), *joined], by))
 
 
-_PLACE = re.compile(r"job\.toml(, line \d+)?: (`\w+`: |\[\[?\w+\]\]? (\d+ '.*?': )?)?")
-_ECHO = re.compile(r"""([\w-]+) ("[^"]*"|'[^']*'): """)
-_EXAMPLES = re.compile(r" (It is written like|Expected is a phrase such as) (.+?)\.( Here it is .*)?$")
-
-
 def _reason(text: str) -> str:
-    """Write why a field is refused for whoever sees the field: an example first, and no line of a file."""
-    text, kind = _PLACE.sub("", text, count=1), ""
+    """Write why a field is refused for the window that shows the field: an example first, and no line of a file."""
+    text = re.sub(r"job\.toml(, line \d+)?: (`\w+`: |\[\[?\w+\]\]? (\d+ '.*?': )?)?", "", text, count=1)
     text = re.sub(r"\b(\w+)\.csv, line \d+", r"the table of \1", text)
     text = re.sub(r": looked for \S+ and .+?\.toml\. ", ". ", text)
-    if echo := _ECHO.match(text):
-        kind, text = echo[1], text[echo.end() :]
-    if examples := _EXAMPLES.search(text):
+    kind, typed = "", ""  # which motion, limit or deck is said, and what was typed of it
+    if echo := re.match(r"""([\w-]+) ["']([^"'/]*)[^"']*["']: """, text):
+        (kind, typed), text = echo.groups(), text[echo.end() :]
+    if examples := re.search(r" (It is written like|Expected is a phrase such as) (.+?)\.( Here it is .*)?$", text):
         said = re.findall(r'"([^"]+)"', examples[2])
-        example = next((each for each in said if echo and each.partition("/")[0] == echo[2][1:].partition("/")[0]), said[0])
+        example = next((each for each in said if each.partition("/")[0] == typed), said[0])
         text = f'for example "{f"{kind} " * (kind in SPOKEN_MOTIONS)}{example}". {_sentence(text[: examples.start()])}'
     return text
 
