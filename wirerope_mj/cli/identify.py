@@ -203,6 +203,7 @@ def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
 
 
 def _marks(folder: Path) -> tuple[str]:
+    """Name the file by which a folder is known as that of a report."""
     return (_OLD_REPORT,) if (folder / _OLD_REPORT).is_file() else (REPORT,)
 
 

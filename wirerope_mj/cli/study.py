@@ -207,6 +207,7 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
 
 
 def _warn_of_unjudged(limits: Sequence[str]) -> None:
+    """Warn of limits of the model that a study does not judge, with a remedy."""
     if limits:
         forces = all(limit.startswith(ON_MOUNTS) for limit in limits)
         remedy = "judge single runs by it" if forces else "write it into the model, as limit/KIND/NAME"

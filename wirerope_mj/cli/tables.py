@@ -19,6 +19,7 @@ TIMELINE, DOCUMENT = "opens the timeline", "makes a document of it"  # what comm
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
+    """Print what ships of a kind, by name, with the question that each answers."""
     columns = Column(kind, align="left"), Column("question", align="text")
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 

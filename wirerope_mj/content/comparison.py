@@ -308,11 +308,13 @@ def subject_label(subject: Subject) -> str:
 
 
 def size_text(entry: HistoryDifference) -> str:
+    """Write the largest difference of two histories, of a mount in mm, else in g."""
     mount = isinstance(entry.subject, str)
     return f"{1e3 * entry.value:.3g} mm" if mount else f"{entry.value / STANDARD_GRAVITY:.3g} g"
 
 
 def ratio_text(entry: HistoryDifference) -> str:
+    """Write a largest difference in percent of the first run's peak; "-" where that is 0."""
     return f"{100 * entry.ratio:.3g} %" if np.isfinite(entry.ratio) else "-"
 
 

@@ -168,6 +168,7 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
 
 
 def _input_part(motions: Sequence[BaseMotion], warnings: int) -> _Part:
+    """Grade the base's motions: as measured, with or without warnings, or as stated."""
     text = "; ".join(motion.description for motion in motions)
     if not all(list(records_in(motion)) for motion in motions):
         return _Part(name="input", grade=2, text=f"{text}: as it was stated; the event itself may differ")

@@ -66,6 +66,7 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
 
 
 def deck_bends(run: JudgedRun) -> bool:
+    """Tell whether anything in a run's model bends: a flexible part, or a deck panel."""
     return bool(run.system.assembly.subjects.modes) or any(body.name == NAME for body in run.response.scene.bodies)
 
 

@@ -30,7 +30,7 @@ class FilmedRun:
 
     title: str
     verdict: Statement
-    passage: str  # what went in and what came out
+    passage: str  # base motion and largest acceleration of the payload, in a sentence
     critical: Verdict | None  # most critical verdict that has an instant; None if nothing is judged
     motion: SceneMotion
     panels: Sequence[Panel]  # histories of the most critical acceleration and deflection
@@ -42,6 +42,7 @@ class FilmedRun:
         return self.critical is not None and self.critical.time is not None and instant >= self.critical.time - 1e-9
 
     def view(self, instant: float) -> SceneView:
+        """Show the scene at an instant [s], with a ring around the subject of the most critical verdict."""
         moved, row = self.motion.at(instant), self.critical
         return SceneView(
             scene=self.motion.scene, caption="", moved=moved, ring=ring_around(moved, row.subject) if row else None,

@@ -26,7 +26,7 @@ from wirerope_mj.mounts.isolator.travel import SIDES
 
 
 def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield what went in and what came out, the criteria as bars, and what is not judged."""
+    """Yield base motion and payload acceleration in a sentence, criteria as bars, worst instant, what is not judged, charts."""
     yield passage(run)
     if run.achieved:
         yield replace(required_statement(run), id="required", items=())

@@ -182,6 +182,7 @@ def difference_key(subject: Subject) -> tuple[str, ...]:
 
 
 def _lines_of(comparison: Comparison, subject: Subject) -> list[Line]:
+    """Make a line of a part for each run that has it."""
     return [
         Line(response=run.response, subject=subject, name=run.name, kind=rank)
         for rank, run in enumerate(comparison.runs)
@@ -230,6 +231,7 @@ def _peak_changes(curves: Sequence[Curve]) -> str:
 
 
 def peak_text(curve: Curve, panel: Panel) -> str:
+    """Write a curve's name with the value of its peak and where that is."""
     if curve.peak is None:
         return curve.name
     at, value = curve.peak

@@ -98,6 +98,7 @@ def isolator_blocks(device: Isolator) -> Iterator[Block]:
 
 
 def law_text(law: Law) -> str:
+    """Write the parts of a law with their parameters as in an isolator file, SI units."""
     texts = []
     for values in (part.to_dict() for part in law.components):
         parameters = [f"{key} = {_value_text(value)}" for key, value in values.items() if key != "law"]

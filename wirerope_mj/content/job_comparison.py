@@ -57,6 +57,7 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs, models
 
 
 def _largest_use(verdicts: Sequence[Verdict]) -> float:
+    """Find the largest utilisation of any limit; 0 if none is judged."""
     worst = most_used(verdicts)
     return worst.utilisation or 0.0 if worst is not None else 0.0
 
@@ -149,4 +150,5 @@ def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: I
 
 
 def _different(before: Mapping[str, str], after: Mapping[str, str]) -> list[str]:
+    """List the keys under which the texts differ, or only one has a text."""
     return [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]

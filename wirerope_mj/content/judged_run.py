@@ -89,6 +89,7 @@ class JudgedRun(RunResult):
 
     @property
     def acting(self) -> str:
+        """The base motion, or what acts on the payload, in words, with the options that said it."""
         options = self.inputs.get("options", {})
         phrases = [f"{kind} {options[kind]}" for kind, form in SPOKEN_MOTIONS.items() if form.says_more and options.get(kind)]
         return f"{self.motion.description} (from {'; '.join(phrases)})" if phrases else self.motion.description

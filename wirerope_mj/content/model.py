@@ -130,6 +130,7 @@ def _mounts_table(run: JudgedRun) -> Table | None:
 
 
 def devices_of(run: JudgedRun) -> list[Isolator]:
+    """List the isolators of a run's mounts, as their files state them, each once."""
     devices: list[Isolator] = []
     for mount in run.response.scene.mounts:
         device = run.system.mounts[mount.name].written

@@ -254,6 +254,7 @@ def _amplitude_text(result: Modes) -> str:
 
 
 def _hertz_cell(frequency: float) -> Cell:
+    """Find the cell of a frequency [Hz]: "tips over" for NaN, of a mode whose stiffness is negative."""
     return float(frequency) if math.isfinite(frequency) else TIPS
 
 

@@ -14,6 +14,7 @@ def shown_unit(unit: str) -> str:
 
 
 def shown(value: float | None, unit: str = "", *, digits: int = 3) -> str:
+    """Write an SI value in the unit that outputs show, without the unit; a dash for None and NaN."""
     if value is None or not math.isfinite(value):
         return ABSENT
     return number(in_unit(value, shown_in(unit)[0]), digits=digits)
@@ -46,6 +47,7 @@ def title_of(name: str) -> str:
 
 
 def paragraphs(text: str) -> list[str]:
+    """Split a text at its empty lines into paragraphs without line breaks."""
     return [" ".join(part.split()) for part in text.strip().split("\n\n") if part.strip()]
 
 

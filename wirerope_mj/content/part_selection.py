@@ -197,6 +197,7 @@ def _part_label(part: TriedPart) -> str:
 
 
 def _critical_text(part: TriedPart) -> str:
+    """Write the utilisation, criterion and load case of a part's most critical limit."""
     used, criterion, case = part.governing
     under = f" under {case}" if criterion != STATIC_LOAD else ""
     return f"{100.0 * used:.0f} % of {criterion}{under}" if criterion else "nothing judged"

@@ -66,6 +66,7 @@ class DrawnScene:
 
 
 def mount_labels(scene: Scene) -> dict[str, str]:
+    """Label mounts by name: with their names if all are short, else with their numbers from 1."""
     short = all(len(mount.name) <= LONGEST_LABEL for mount in scene.drawn)
     return {mount.name: mount.name if short else str(number + 1) for number, mount in enumerate(scene.mounts)}
 

@@ -169,6 +169,7 @@ def front_chart(result: SearchResult) -> Chart:
 
 
 def _spreads(values: Array) -> bool:
+    """Tell whether values are positive and so far apart that their axis is logarithmic."""
     return bool(values.min() > 0.0 and values.max() > _WIDEST_LINEAR * values.min())
 
 

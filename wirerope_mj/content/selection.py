@@ -67,6 +67,7 @@ class Selection:
         return self.ranked[axis][: MOST_LOOPS if axis == self.axes[0] else MOST_OTHER_LOOPS]
 
     def among(self, mounts: Collection[str]) -> "Selection":
+        """Leave only the given mounts in the ranking of every axis."""
         return replace(self, ranked={axis: tuple(n for n in names if n in mounts) for axis, names in self.ranked.items()})
 
     def utilisation(self, mount: str, axis: str) -> float:

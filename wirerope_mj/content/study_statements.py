@@ -57,6 +57,7 @@ def statements(result: StudyResult) -> list[str]:
 
 
 def percent(probability: float) -> str:
+    """Write a probability in percent, with more digits the smaller it is."""
     value = 100.0 * probability
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
 
@@ -150,6 +151,8 @@ def not_counted(beyond: Exceedance) -> str:
 
 
 def early_statements(table: pa.Table) -> list[str]:
+    """State how many variants end before their peaks are over, or while a measure still grows."""
+
     def which(count: int) -> str:
         return "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
 

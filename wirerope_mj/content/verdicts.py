@@ -54,6 +54,7 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
 
 
 def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
+    """Yield the verdicts in sentences, and the mounts that exceed the tests of their laws."""
     lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
     yield Statement("verdicts", items=tuple(lines))
     yield untested(run)
@@ -175,6 +176,7 @@ def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
 
 
 def used_mark(utilisation: float | None) -> Mark:
+    """Mark a utilisation with its tone; one well within its limit has none."""
     tone = used_tone(utilisation)
     return Mark(utilisation, "" if tone == "within" else tone)
 

@@ -126,6 +126,7 @@ def field_colours(field: Field) -> list[list[str]]:
 
 
 def field_key(field: Field) -> list[tuple[str, str]]:
+    """List the colours and texts of a field's key, from the least value to the largest."""
     finite = field.values[np.isfinite(field.values)]
     if not finite.size:
         return []

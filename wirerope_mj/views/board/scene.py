@@ -79,6 +79,7 @@ def _centres(scene: Scene, layout: Layout | None, sag: Sag | Absent) -> tuple[li
 
 
 def _boxes(scene: Scene, layout: Layout | None) -> Iterator[Entries]:
+    """Yield the boxes to draw: deck, masses and envelopes of a layout, or without one those around all shapes."""
     for body, geom, points in drawn_scene(scene).shapes:
         if layout is None or geom.name == _DECK:
             low, high = points.min(axis=0), points.max(axis=0)
@@ -103,6 +104,7 @@ def _mm(position: Array) -> list[float]:
 
 
 def _rounded(value: float | Array | None) -> float | list[float] | None:
+    """Round a value or a vector for JSON; None for NaN."""
     if value is None or isinstance(value, float) and math.isnan(value):
         return None
     return round(value, 4) if isinstance(value, float) else [round(float(part), 6) for part in value]

@@ -104,6 +104,7 @@ def _labels(shown: Sequence[Entries], centres: Mapping[str, Array]) -> Iterator[
 
 
 def _words(item: Entries) -> str:
+    """Describe an item: kind, label, part, position [mm], and utilisation."""
     place = " ".join(f"{axis} {_length(value)}" for axis, value in zip("xyz", item["position"], strict=True))
     used = _percent(item) and f"{_percent(item)} used"
     return ", ".join(filter(None, [f"{item['kind']} {item['label']}", item.get("part"), f"{place} mm", used]))

@@ -197,6 +197,7 @@ def _read(text: str | None) -> Entries:
 
 
 def _finite(text: str) -> float:
+    """Read a number of a message; ValueError unless it is finite."""
     if not math.isfinite(value := float(text)):
         raise ValueError(_FORM)
     return value

@@ -123,6 +123,7 @@ class _Writer:
         return self._folder / f"{self._pictures}.png"
 
     def _place(self, caption: str, alt: str) -> None:
+        """Add the picture that was drawn last, with its caption and a text alternative."""
         from docx.shared import Cm
 
         shape = self.document.add_picture(str(self._folder / f"{self._pictures}.png"), width=Cm(_PICTURE))

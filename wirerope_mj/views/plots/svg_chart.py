@@ -193,6 +193,7 @@ def _lines(frame: tuple[float, float, float, float], xs: Sequence[float], ys: Se
 
 
 def _fine_lines(scale: _Scale) -> list[float]:
+    """Find the positions of lines at 2, 3, .. 9 of every decade; none on linear axes and short decades."""
     decade = abs(scale(scale.high) - scale(scale.low)) / log10(scale.high / scale.low) if scale.log else 0.0
     return scale.of(log_lines(scale.low, scale.high)).tolist() if decade > _DECADE else []
 
@@ -208,6 +209,7 @@ def _cells(field: Field, across: _Scale, upward: _Scale) -> str:
 
 
 def _bars(curve: Curve, across: _Scale, upward: _Scale) -> str:
+    """Draw a curve's bars from zero, with the intervals across their ends, if any."""
     zero, ys = across(max(across.low, 0.0)), upward.of(curve.y)
     d = "".join(f"M{zero:.1f} {y:.1f}H{x:.1f}" for x, y in zip(across.of(curve.x), ys, strict=True))
     bars = f'<path {_look(curve, abs(upward(curve.bars) - upward(0.0)))} d="{d}"/>'

@@ -127,4 +127,5 @@ def timelines(rec: Stream, animation: Animation) -> Along:
 
 
 def _numbers(strip: Strip) -> dict[str, Integers]:
+    """Number a level's motions on the timelines: by point of the branch, and by frequency [mHz]."""
     return {POINT: np.arange(strip.points.size), FREQUENCY: np.round(1e3 * strip.frequency).astype(np.int64)}

@@ -98,6 +98,7 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
 
 
 def _origin(run: DrawnRun) -> str:
+    """Find the entity in whose frame the scene of a run is seen: its base, else the world."""
     base = run.response.scene.base
     return run.frames[base].path if base in run.response.bodies else entity("world")
 

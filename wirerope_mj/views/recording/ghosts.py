@@ -64,6 +64,7 @@ def enlarged(response: Response, factor: float) -> Response:
 
 
 def _enlarged(values: Array, factor: float) -> Array:
+    """Enlarge values (n_t, k) by a factor about the middles of their ranges."""
     mean = 0.5 * (values.min(axis=0) + values.max(axis=0))
     return np.asarray(mean + factor * (values - mean))
 

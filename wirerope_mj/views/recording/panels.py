@@ -147,6 +147,7 @@ _RESERVED = (
 
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:
+    """List the entities of the lanes that `log_lanes` logs."""
     stops = [_lane_path("stops")] if _pressing(response) is not None else []
     return [_lane_path("base"), *stops, *(_lane_path(name) for name in _lane_subjects(selection))]
 
