@@ -153,7 +153,7 @@ class Mission:
 
 @dataclass(frozen=True, kw_only=True)
 class MountDamage:
-    """Damage of an axis of a mount over a service life, stage by stage, and its number of cycles and largest range."""
+    """Damage of an axis of a mount over a service life, by stage (repeated run), its number of cycles and largest range."""
 
     mount: str
     axis: str

@@ -232,7 +232,7 @@ def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | N
 
 @dataclass(frozen=True, kw_only=True)
 class LevelSummary:
-    """Curve, peaks and comparisons of one level, each computed at first use."""
+    """Curve, peaks and comparisons at one level of the base's acceleration, each computed at first use."""
 
     level: Level
 
@@ -323,7 +323,7 @@ class OrderBand:
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Compute the bands of orders at one speed [1/min] or between two; ValueError for other counts or values <= 0."""
+    """Compute the frequency bands of a shaft's orders at one speed [1/min] or between two; ValueError for other values."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
     speeds = sorted(_checked_limit("--speed-rpm", speed) / 60.0 for speed in speed_rpm)

@@ -19,7 +19,7 @@ DAMPING = 0.02  # damping ratio where none is said: a welded deck with what is b
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """A panel under all mounts, as one number of a deck's survey says it.
+    """A deck panel under all mounts: one mass on a spring and a damper, from the figures of a deck's survey.
 
     Alone on the base it swings at `frequency`: k = m (2 pi f)^2, c = 2 zeta m 2 pi f. Its own weight is carried before it is
     drawn; what stands on it makes it sag.

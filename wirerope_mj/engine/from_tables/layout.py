@@ -67,7 +67,7 @@ def combine(parts: Sequence[MassProperties]) -> MassProperties:
 
 
 def why_impossible(inertia: Array) -> str:
-    """Return the reason why no body has an inertia tensor, "" if one can: moments < 0, or one above the sum of the others."""
+    """Say why no body can have an inertia tensor: a moment < 0, or above the sum of the other two; "" if a body can."""
     small, middle, large = np.linalg.eigvalsh(inertia)
     slack = TOLERANCE * max(abs(large), abs(small))
     values = f"its principal moments are {small:.4g}, {middle:.4g} and {large:.4g} kg m^2"
@@ -158,7 +158,7 @@ class Box:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layout:
-    """A payload on mounts as tables say it."""
+    """A payload on mounts as the tables of a model describe it."""
 
     name: str  # of the payload, and of the model unless that has a name of its own
     masses: tuple[Mass, ...]

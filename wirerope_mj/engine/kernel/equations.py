@@ -247,7 +247,7 @@ def _mounts(
 
 
 def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tuple[list[int], dict[int, int]]:
-    """Return the mode shapes at sites of flexible parts as integers behind the header, and each site's position there."""
+    """Return the table of mode shapes at sites of flexible parts, which stands behind the header, and each site's row."""
     model, table, places = system.model, list[int](), {}
     for site, modes in system.assembly.subjects.shapes.items():
         link, pose = bodies.site(site)

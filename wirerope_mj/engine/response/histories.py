@@ -51,7 +51,7 @@ class SampledColumns(Protocol):
         ...
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns in blocks of at most `block_rows` rows."""
+        """Yield columns `first` to `last` (exclusive) in blocks of at most `block_rows` rows."""
         ...
 
 

@@ -49,7 +49,7 @@ class RunningPeak:
 
     @property
     def peak(self) -> Peak:
-        """Peak over all blocks so far."""
+        """Peak of the vector over all blocks of instants so far."""
         (minimum, minimum_time), (maximum, maximum_time) = (np.transpose(ends) for ends in (self._lows, self._highs))
         value, time = self._norm
         return Peak(

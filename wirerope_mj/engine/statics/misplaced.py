@@ -104,7 +104,7 @@ def _turned(mounts: Sequence[Mount], centre: Array) -> list[str]:
 
 
 def _outside_mounts(payload: Payload, mounts: Sequence[Mount], centre: Array) -> Iterator[str]:
-    """Yield a warning of a centre of mass that mounts cannot hold: beside all, or below those that it stands on."""
+    """Yield a warning of a centre of mass that mounts cannot hold: beside all of them, or below the lowest upright ones."""
     upright = [mount for mount in mounts if mount.axes[2, 2] >= _UPRIGHT]
     if len(upright) < 3:
         return
@@ -138,7 +138,7 @@ def _outside_mounts(payload: Payload, mounts: Sequence[Mount], centre: Array) ->
 
 
 def _unlike_others(mounts: Sequence[Mount]) -> Iterator[str]:
-    """Yield a warning of a mount that stands otherwise than all others, which are alike, and of mounts that lean one way."""
+    """Yield warnings of a mount unlike all others in height, direction or rated load, and of mounts that all lean one way."""
     places, axes = (np.array([getattr(mount, name) for mount in mounts]) for name in ("position", "axes"))
     axes = axes[:, :, 2]
     size = float(np.linalg.norm(np.ptp(places, axis=0)))

@@ -140,7 +140,7 @@ def static_table(system: System) -> StaticTable:
 
 
 def at_rest(system: System, history: History = "virgin") -> Sag:
-    """Return sag and load of every mount and payload after one history; ConvergenceError as `equilibrium` raises it."""
+    """Return sag and load of every mount and payload at rest, "virgin" or "relaxed"; ConvergenceError without equilibrium."""
     result = equilibrium(system, history=history)
     model = system.model.__copy__()
     unloaded, data = mujoco.MjData(model), mujoco.MjData(model)

@@ -59,7 +59,7 @@ def write_model(system: System, folder: Path) -> Path:
 
 
 def write_whole(system: System, folder: Path) -> Path:
-    """Write a variant's model as `write_model` does, with its changes in the MJCF itself, to six digits."""
+    """Write a variant's model and its files into `folder`, its changes in the MJCF itself, to six digits; returns its path."""
     target = write_model(system, folder)
     if not system.changes:
         return target

@@ -62,7 +62,7 @@ def varied(
 
 
 def changed(system: System, changes: Changes) -> System:
-    """Apply changes to a system as `varied` does, and return the variant."""
+    """Apply one set of changes to a system, and return the variant."""
     for name in (*changes.isolators, *changes.positions, *changes.turns):
         if name not in system.mounts:
             raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
