@@ -129,14 +129,14 @@ def differences_about(structure, shared, numbers, states, memory, track, moves, 
 
 @inlined
 def weigh(n, weights, work, source, target):
-    """Write the column at `source` times the weights of its rows to `target`."""
+    """Write the columns at `source`, times a weight for each row, to `target`."""
     for i in range(n):
         work[target + i] = weights[i] * work[source + i]
 
 
 @inlined
 def slope_of(i, first, column, value, entry, width, work, source):
-    """Multiply a row of A by the column at `source`."""
+    """Multiply row `i` of the sparse matrix A by the columns at `source`."""
     slope = 0.0 * work[source]
     for e in range(first[i], first[i + 1]):
         slope = slope + value[entry + width * i + column[e]] * work[source + column[e]]
@@ -157,7 +157,7 @@ def add_slope(n, first, column, value, entry, width, scale, gain, decay, work, s
 
 @inlined
 def apply_reversals(n, first, column, value, entry, width, scale, turns, waits, work, here):
-    """Multiply the columns at `here` by the factors of reversals, at the reversals' times: until then and back w' = dv."""
+    """Multiply the columns at `here` by the factors `turns` of reversals that lie `waits` after, where w' = dv until then."""
     weigh(n, scale, work, here, 4 * n)
     for i in range(n):
         if turns[i] != 1.0:

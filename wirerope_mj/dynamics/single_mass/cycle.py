@@ -68,7 +68,7 @@ def round_path(law, p, turning, z, c, a):
 
 @njit
 def lead_each(p, start, z, memory, cycle):
-    """Take a secant step towards a closed cycle for each law in parallel with one state; False if all cycles are closed.
+    """Take a secant step of the start states of laws in parallel towards a closed cycle; False if all cycles are closed.
 
     The laws are uncoupled. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
     """

@@ -58,7 +58,7 @@ def righting_torque(base, payload, modelled, stiffness):
 
 @inlined
 def stage_row(u, w, time):
-    """Return the row of the stage tables that belongs to an instant."""
+    """Return the row of an instant in the table of the base's accelerations at the segment's half steps."""
     n_points = int(u[w + at.STAGE_POINTS])
     row = 0
     if n_points > 0:
@@ -69,7 +69,7 @@ def stage_row(u, w, time):
 
 @inlined
 def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
-    """Apply the stage tables' accelerations at this instant to the base's slides and hinges."""
+    """Apply the base's tabulated accelerations of this instant to its slides and hinges."""
     n_points = int(u[w + at.STAGE_POINTS])
     stage, turns = 3 * stage_row(u, w, time), index(lay[i + at.USER_TURNS])
     base = vector(u, w + at.STAGES + stage)
@@ -103,9 +103,9 @@ def add_force(xfrc, body, xipos, point, force):
 
 @inlined
 def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot):
-    """Return what coupling adds to the forces [N] of roll and another axis, and write the rates of the hysteretic vectors.
+    """Return the forces [N] that coupling adds along roll and its partner axis, and write the rates of the coupled states.
 
-    On brackets (see `law`) these are the whole forces, of a loop with the axial axis those of its elastic energy, else 0.
+    On brackets (see `law`) these are the whole forces, of a rope loop with the axial axis those of its elastic energy, else 0.
     (x, y) and (vx, vy) are the deflections and their rates; the states of both axes begin at `z[j:]` and `z[k:]`, the states'
     rates at `zdot[jdot:]` and `zdot[kdot:]`.
     """
@@ -120,9 +120,9 @@ def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, k
 
 @njit
 def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, rate):
-    """Give roll and another axis of the mount in row `m` a hysteretic vector on every scale, whose rates replace theirs.
+    """Couple roll and its partner axis of the mount in row `m`: write the rates of their hysteretic states anew, add forces.
 
-    Returns what that adds to the mount's force [N], world axes. `axis` is the row behind the mount's axes, `u[record:]` its
+    Returns the added force [N], world axes. `axis` is the row behind the mount's axes, `u[record:]` its
     deflection and force, `rate` that of the deflection.
     """
     first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + at.BASE_SITE])
@@ -154,7 +154,7 @@ def add_torque(lay, m, site_xmat, site_xquat, xfrc):
 
 @njit
 def elastic_motion(lay, k, coordinates, kind):
-    """Return Phi times modal coordinates (kind 1), or their rates or accelerations (kind 0), at a site and in its axes."""
+    """Return a site's elastic motion in its axes: shapes times modal coordinates (kind 1), or rates or accelerations (0)."""
     x = (0.0, 0.0, 0.0)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -164,7 +164,7 @@ def elastic_motion(lay, k, coordinates, kind):
 
 @njit
 def push_modes(lay, k, r, site_xmat, qfrc_applied, force):
-    """Add Phi^T f of the force f on a flexible part, world axes, at a site with the axes `site_xmat[r:]`."""
+    """Add the modal forces Phi^T f of a force f, world axes, at a flexible part's site with the axes `site_xmat[r:]`."""
     along = turned_back(site_xmat, r, force)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode

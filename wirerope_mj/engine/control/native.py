@@ -166,7 +166,7 @@ def _sensor(m, d, in_model, time, userdata, activation, f, in_data, in_contact):
 
 @njit
 def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-def]
-    """Remember the contacts of this step; offsets in mjData and in mjContact, whose size is last."""
+    """Record the contacts of this step in `u`; `in_data`, `in_contact`: offsets in mjData and mjContact, its size last."""
     number = int32_array(d + in_data[0])[0]
     begin_contacts(lay, 0, u, 0, number)
     if number == 0 or lay[at.N_CONTACTS] == 0.0:

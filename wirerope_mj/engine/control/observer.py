@@ -83,7 +83,7 @@ def begin_contacts(lay, i, u, w, n_contacts):
 
 @njit
 def contact_row(u, m, n_rows, one, other):
-    """Return the row of a pair of geoms, a free one if it has not touched before; the last one is shared."""
+    """Return the memory's row of a pair of geoms, a free row if it has not touched before; further pairs share the last row."""
     pair = pair_number(one, other)
     for row in range(n_rows):
         k = m + at.CONTACT_MEMORY * row
@@ -206,7 +206,7 @@ def bend_point(lay, k, out, o, r, site_xmat, qpos, qvel, qacc):
 
 @inlined
 def track_peaks(lay, i, u, w, time, s, first):
-    """Update all channels and travels with the values of this step; `s[first:]` are the system's sensor values."""
+    """Update the peaks of all tracked vectors and travels with this step; `s[first:]` are the system's sensor values."""
     event, history, t0, t1 = u[w + at.EVENT], u[w + at.HISTORY], u[w + at.TIME_2], u[w + at.TIME_1]
     bounds = parabola_bounds(event, history, t0, t1, time)
     channel, m = i + index(lay[i + at.CHANNELS]), w + index(lay[i + at.USER_CHANNELS])

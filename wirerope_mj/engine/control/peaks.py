@@ -11,7 +11,7 @@ from wirerope_mj.foundation.lanes import over, some, where
 
 @inlined
 def parabola_bounds(event, history, t0, t1, t2):
-    """Return whether this step is the first, whether parabolas may be drawn, and factors a and b of their largest rise.
+    """Return whether this step is the first, whether extremes are refined by parabolas, and factors a, b that bound their rise.
 
     A parabola through y0, y1, y2 whose middle is extreme rises above it by at most a |y1 - y0| + b |y1 - y2|, with
     a = max(r, 1)^2 / (4 + 4 r), b = a / r and r the ratio of the two steps: only where that could beat what is kept, which is
@@ -42,7 +42,7 @@ def parabola_extreme(t0, y0, t1, y1, t2, y2):
 
 @inlined
 def keep_larger(u, value_row, time_row, value, time, condition):
-    """Keep a value and its instant where a condition holds and the value exceeds the kept one; return where."""
+    """Keep a value and its instant in the lanes where a condition holds and it exceeds the kept value; return which."""
     better = condition & (value > u[value_row])
     u[value_row] = where(better, value, u[value_row])
     u[time_row] = where(better, time, u[time_row])
@@ -51,7 +51,7 @@ def keep_larger(u, value_row, time_row, value, time, condition):
 
 @inlined
 def keep_smaller(u, value_row, time_row, value, time, condition):
-    """Keep a value and its instant where a condition holds and the value is below the kept one."""
+    """Keep a value and its instant in the lanes where a condition holds and it is below the kept value."""
     better = condition & (value < u[value_row])
     u[value_row] = where(better, value, u[value_row])
     u[time_row] = where(better, time, u[time_row])
@@ -59,7 +59,10 @@ def keep_smaller(u, value_row, time_row, value, time, condition):
 
 @njit
 def update_component(u, low, high, times, refine, t0, y0, t1, y1, t2, y2):
-    """Update lowest and highest value of a component, their instants `times` rows behind them."""
+    """Update a component's extremes by the last of three steps and, if `refine`, by the parabola through them.
+
+    Instants stand `times` rows behind the lowest and highest value. NaN, which differs from itself, is not kept.
+    """
     always = y2 == y2
     keep_larger(u, high, high + times, y2, t2, always)
     keep_smaller(u, low, low + times, y2, t2, always)
@@ -73,7 +76,7 @@ def update_component(u, low, high, times, refine, t0, y0, t1, y1, t2, y2):
 
 @njit
 def update_norm(u, m, before, last, s, j, y0, y1, y2, refine, t0, t1, t2):
-    """Update the peak of the norm with the vectors of three steps, the last of them `s[j:]`, and their norms."""
+    """Update a vector's largest norm by three steps, `u[before:]`, `u[last:]`, `s[j:]`, whose norms are y0, y1 and y2."""
     grows = keep_larger(u, m + at.PEAK, m + at.PEAK_TIME, y2, t2, y2 == y2)
     for c in range(3):
         u[m + at.PEAK_VECTOR + c] = where(grows, s[j + c], u[m + at.PEAK_VECTOR + c])
@@ -91,7 +94,7 @@ def update_norm(u, m, before, last, s, j, y0, y1, y2, refine, t0, t1, t2):
 
 @njit
 def begin_channel(u, m, s, j, y2, time):
-    """Begin a channel's memory with its first vector and its norm."""
+    """Begin the memory of a tracked vector with its first value and its norm."""
     for c in range(3):
         u[m + at.LOW + c], u[m + at.HIGH + c], u[m + at.PEAK_VECTOR + c] = s[j + c], s[j + c], s[j + c]
         u[m + at.LOW_TIME + c], u[m + at.HIGH_TIME + c] = time, time
@@ -100,7 +103,7 @@ def begin_channel(u, m, s, j, y2, time):
 
 @inlined
 def track_vector(u, m, before, last, s, j, norms, bounds, t0, t1, t2):
-    """Update a channel's memory with its vector `s[j:]`; the last two stand in `u[before:]` and `u[last:]`."""
+    """Update the peaks of a tracked vector with its value `s[j:]`; the last two stand in `u[before:]` and `u[last:]`."""
     begins, refine, a, b = bounds
     for c in range(3):
         y0, y1, y2 = u[before + c], u[last + c], s[j + c]
@@ -117,7 +120,7 @@ def track_vector(u, m, before, last, s, j, norms, bounds, t0, t1, t2):
 
 @njit
 def update_travel(u, m, judged, refine, t0, t1, y2, t2):
-    """Update the farthest travel of a mount along all axes at once, and the farthest that is judged."""
+    """Update a mount's largest combined travel, and the largest at instants that are judged."""
     keep_larger(u, m + at.FARTHEST, m + at.FARTHEST_TIME, y2, t2, y2 == y2)
     keep_larger(u, m + at.JUDGED, m + at.JUDGED_TIME, y2, t2, judged)
     if refine:
@@ -130,7 +133,7 @@ def update_travel(u, m, judged, refine, t0, t1, y2, t2):
 
 @inlined
 def track_travel(u, m, rated, p, x, record, bounds, t0, t1, t2):
-    """Update the travel of a mount along all axes at once, the sum of (deflection / rated)^2, with its deflection `x[record:]`.
+    """Update a mount's largest combined travel, the sum of (deflection / rated)^2, with its deflection `x[record:]`.
 
     `rated[p:]` are the ratings as in the table of mounts. An instant is not judged while the mount moves along its axis in the
     way that is not rated.

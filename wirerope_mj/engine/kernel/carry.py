@@ -51,7 +51,7 @@ LINE = 12  # index of a line's start and direction among the parameters of the b
 
 @inlined
 def first_power_state(alpha, b, y, length):
-    """Return y after a length along y' = alpha - b y, or alpha + b y where y < 0."""
+    """Return y after a length of y' = alpha - b y, b replaced by -b where y < 0 at the start."""
     b = where(y >= 0.0, b, -b)
     flat = b == 0.0
     grown = where(flat, length, -math.expm1(-b * length) / where(flat, 1.0, b))
@@ -60,7 +60,7 @@ def first_power_state(alpha, b, y, length):
 
 @inlined
 def carry_first_power(p, i, x0, x1, z):
-    """Return Bouc-Wen's state for n = 1 carried from deflection x0 to x1, as `exact.carry_bouc_wen` does."""
+    """Return Bouc-Wen's state for n = 1 carried from deflection x0 to x1, in closed form."""
     s, length = where(x1 > x0, 1.0, -1.0), abs(x1 - x0)
     alpha, y = p[i], where(x1 > x0, z, -z)
     loading, unloading = p[i + 1] + p[i + 2], p[i + 2] - p[i + 1]
@@ -82,7 +82,7 @@ def carry_first_power(p, i, x0, x1, z):
 
 @njit
 def carry_law(law, p, x0, x1, z, n_states, slopes, trial):
-    """Carry the states of one or several laws in place as `advance` does, without the work where there is a closed form."""
+    """Carry the states of a law, or of laws in parallel, in place from deflection x0 to x1, in closed form if there is one."""
     for part in range(int(p[0]) if law == PARALLEL else 1):
         one, first, state, count = law, 0, 0, n_states
         if law == PARALLEL:
@@ -97,7 +97,7 @@ def carry_law(law, p, x0, x1, z, n_states, slopes, trial):
 
 @njit
 def carry_axis(law, numbers, number, first, size, x0, x1, states, carried, state, n_states, target, scratch):
-    """Carry the states of one lane's axis by the laws' own closed forms, series and integration."""
+    """Carry the states of one mount axis in one lane from deflection x0 to x1."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
     for i in range(size):
         p[i] = numbers[first + i, number]
@@ -142,7 +142,7 @@ def carry_states(structure, numbers, states, memory, before, carried, follows, s
 
 @inlined
 def slopes(a, b, n):
-    """Return the slopes a' and b' on a line that loads."""
+    """Return the slopes a' and b' of the state along and across a line on which it loads."""
     square = max(a * a + b * b, 1e-300)
     bend = power(math.sqrt(square), n) / square * a
     return 1.0 - bend * a, -bend * b
@@ -150,7 +150,7 @@ def slopes(a, b, n):
 
 @inlined
 def step_ahead(a, b, n, h):
-    """Return a and b after a step of Dormand and Prince's method, as `wirerope_mj.mounts.laws.adaptive` has it."""
+    """Return the state a along and b across a line after a step `h` of it, by Dormand and Prince's method."""
     a1, b1 = slopes(a, b, n)
     a2, b2 = slopes(a + h * (1 / 5 * a1), b + h * (1 / 5 * b1), n)
     a3, b3 = slopes(a + h * (3 / 40 * a1 + 9 / 40 * a2), b + h * (3 / 40 * b1 + 9 / 40 * b2), n)
@@ -206,7 +206,7 @@ def carry_lanes(num, p, dx, dy, y, j, k, zx, zy):
 
 @njit
 def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
-    """Carry the states of one lane over a line by the laws' own integration."""
+    """Carry two coupled states of one lane over a line by the laws' own integration."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
     for i in range(RATE_NUMBERS):
         p[i] = numbers[first + i, number]

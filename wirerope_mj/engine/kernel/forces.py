@@ -22,7 +22,7 @@ from wirerope_mj.mounts.laws.registry import evaluate
 
 @njit
 def couple_axes(lay, m, axis, num, y, work, record):
-    """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'."""
+    """Couple roll and its partner axis of the mount in row `m`: write the rates of their hysteretic states anew, add forces."""
     rates, z = lay[at.RATES], lay[at.NQ] + lay[at.NV]
     first, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
     j, k = lay[axis + at.FIRST_STATE], lay[axis + at.FIRST_STATE + at.AXIS_COLUMNS * other]
@@ -36,7 +36,7 @@ def couple_axes(lay, m, axis, num, y, work, record):
 
 @njit
 def orientation(lay, link, f, fix, work):
-    """Return the orientation in the world of what has that at `fix[f:]` in a link."""
+    """Return the orientation in the world of a frame whose orientation in a link is `fix[f:]`."""
     return product(quaternion(work, lay[at.KIN] + at.KIN_SIZE * link + at.KIN_Q), quaternion(fix, f))
 
 
@@ -56,7 +56,7 @@ def add_torque(lay, m, payload, base, fix, num, work):
 
 @njit
 def elastic_motion(lay, k, fix, values, first, column):
-    """Return Phi times modal coordinates (column 1), or rates or accelerations (0), `values[first:]`, in the point's axes."""
+    """Return a point's elastic motion in its axes: shapes times modal coordinates (column 1), or rates or accelerations (0)."""
     x = times(0.0, (values[first], values[first], values[first]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -66,7 +66,7 @@ def elastic_motion(lay, k, fix, values, first, column):
 
 @njit
 def elastic_motion_with_rate(lay, k, fix, y):
-    """Return Phi q and Phi q' of a point, in its axes, in one pass over the shapes."""
+    """Return elastic displacement and velocity of a point of a flexible part, in its axes, in one pass over the shapes."""
     x = v = times(0.0, (y[0], y[0], y[0]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -77,7 +77,7 @@ def elastic_motion_with_rate(lay, k, fix, y):
 
 @njit
 def push_modes(lay, k, fix, work, force):
-    """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the right sides of its modes."""
+    """Add the modal forces of a force at a point of a flexible part, in the point's axes, to the right sides of its modes."""
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
         work[lay[at.RHS] + lay[row]] += dot(vector(fix, lay[row + at.SHAPE]), force)
@@ -85,7 +85,7 @@ def push_modes(lay, k, fix, work, force):
 
 @inlined
 def push_base(lay, fix, work, base):
-    """Begin the right sides of the modes with -Gamma a of the base."""
+    """Begin the right sides of the modes with the base's: minus participation factors times its acceleration."""
     row = lay[at.MODES]
     for _ in range(lay[at.N_MODES]):
         work[lay[at.RHS] + lay[row]] = -1.0 * dot(vector(fix, lay[row + 1]), base)

@@ -58,7 +58,7 @@ def turn_rate(u, w):
 
 @inlined
 def place_straight(lay, row, k, over, fix, y, work):
-    """Place a link that never turns: its axes, those of the model, stand in its rows already."""
+    """Write position and velocity of a link that never turns, whose axes, those of the model, are written beforehand."""
     nq, first, f = lay[at.NQ], lay[row + at.FIRST_DOF], lay[row + at.FRAME]
     o = vector(fix, f)
     v = (0.0, 0.0, 0.0)
@@ -76,7 +76,7 @@ def place_straight(lay, row, k, over, fix, y, work):
 
 @inlined
 def place_free(lay, row, k, y, work):
-    """Place a floating link: velocity in the world's axes, angular velocity in its own, neither with a bias."""
+    """Write the motion of a floating link; its angular velocity is read in its own axes, its velocity in the world's."""
     first = lay[row + at.FIRST_DOF]
     q, v = lay[lay[at.DOFS] + at.DOF_COLUMNS * first + at.DOF_QPOS], lay[at.NQ] + first
     keep(work, k + at.KIN_O, vector(y, q))
@@ -87,7 +87,7 @@ def place_free(lay, row, k, y, work):
 
 @njit
 def place_turning(lay, row, k, over, fix, y, work):
-    """Place a link with hinges, or on one that turns: one joint after the other, as MuJoCo does."""
+    """Write the motion of a link that has hinges or stands on a turning link: joint after joint, as MuJoCo does."""
     nq, first, f, s = lay[at.NQ], lay[row + at.FIRST_DOF], lay[row + at.FRAME], lay[at.SUB]
     keep(work, k + at.KIN_O, vector(fix, f))
     orient(work, k + at.KIN_Q, quaternion(fix, f + 3), k + at.KIN_R)
@@ -134,9 +134,9 @@ def place_turning(lay, row, k, over, fix, y, work):
 
 @inlined
 def place_links(lay, fix, y, work):
-    """Write the motion of all links; what hangs on a link comes after it.
+    """Write the motion of all links, of which each comes after the link that carries it.
 
-    Of a turning link's dofs the axes stand in `work[SUB:]`, a hinge's anchor behind its axis.
+    Axes of a turning link's coordinates go to `work[SUB:]`, a hinge's anchor behind its axis.
     """
     row, k = lay[at.LINKS], lay[at.KIN]
     for _ in range(lay[at.N_LINKS]):

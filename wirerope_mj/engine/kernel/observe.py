@@ -81,7 +81,7 @@ def measure(lay, fix, num, y, work, whole):
 
 @inlined
 def track_peaks(lay, num, work, clock, time):
-    """Update all channels and travels with the values of this step."""
+    """Update the peaks of all tracked vectors and travels with this step."""
     t0, t1, turn = clock[TIME_2], clock[TIME_1], int(clock[TURN])
     bounds = parabola_bounds(clock[EVENT], clock[HISTORY], t0, t1, time)
     now, last, before = 4 * turn, 4 * ((turn + 2) % 3), 4 * ((turn + 1) % 3)
@@ -112,7 +112,7 @@ def tick(clock, time):
 
 @inlined
 def track_stops(lay, num, y, work, clock, time):
-    """Update the memory of all stops with the deflections of this step; of which STOPS has the rows."""
+    """Update the memory of the stops, whose table is STOPS, with the deflections of this step."""
     k, row, z, closing = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV], lay[at.CLOSINGS]
     if clock[HISTORY] == 0.0:
         for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):

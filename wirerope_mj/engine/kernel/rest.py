@@ -92,7 +92,7 @@ def invert(matrix, out):
 
 @njit
 def update_inverse(inverse, step, before, after, slow):
-    """Update an inverse Jacobian in place with a step and the residuals before and after; return whether it is usable."""
+    """Update an inverse Jacobian in place by Broyden's formula after a step; return whether it is still usable."""
     n = step.size
     expected, across = np.zeros(n), np.zeros(n)
     for i in range(n):
@@ -113,7 +113,7 @@ def update_inverse(inverse, step, before, after, slow):
 
 @njit
 def begin_iteration(search, number, settings):
-    """Begin another iteration of a lane's search: set the phase by its residual and inverse Jacobian."""
+    """Begin a lane's next iteration, or end its search: converged, failed, Newton's step, or differences for a Jacobian."""
     phase, counts, value, step, inverse, _trial = search
     size = largest(value[number])
     if not size > settings[TOLERANCE] or not size < np.inf or counts[number, 1] >= settings[ITERATIONS]:
@@ -128,7 +128,7 @@ def begin_iteration(search, number, settings):
 
 @njit
 def begin_step(search, number, settings):
-    """Set a lane's trial step to Newton's."""
+    """Set a lane's trial step to that of Newton's method, shortened to the longest allowed."""
     phase, counts, value, step, inverse, _trial = search
     n = value.shape[1]
     for i in range(n):
@@ -144,7 +144,7 @@ def begin_step(search, number, settings):
 
 @njit
 def continue_search(search, number, result, jacobian, settings):
-    """Continue a lane's search with an evaluation's `result`; return whether the trial position is accepted.
+    """Continue a lane's search with the accelerations `result` at its trial position; return whether that is accepted.
 
     `counts` of a lane: 1 if it has an inverse Jacobian, 2 if that is fresh; iterations; halvings; column of the Jacobian.
     """
@@ -197,7 +197,7 @@ def deflections(lay, fix, num, y, work):
 
 @njit
 def evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch):
-    """Compute accelerations at rest in the lanes' positions, states carried from deflections `before` and states `carried`."""
+    """Compute the accelerations at rest in the lanes' positions, hysteretic states carried there from deflections `before`."""
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     if follows.size:
         deflections(lay, fix, num, y, work)

@@ -119,7 +119,7 @@ def rotated(work, r, i):
 
 @njit
 def compose(lay, link, ref, fix, num, work):
-    """Write a link's mass, moments, forces of mounts, and forces of inertia and weight, about the point `ref`."""
+    """Write a link's mass, its first and second moments, and its forces, about the point `ref` of its tree."""
     row, k = lay[at.LINKS] + at.LINK_COLUMNS * link, lay[at.KIN] + at.KIN_SIZE * link
     i, c, wrench = lay[row + at.INERTIA], lay[at.COMPOSITE] + at.COM_SIZE * link, lay[at.WRENCH] + 6 * link
     mass, arm = num[i + at.MASS_OF], minus(vector(work, k + at.KIN_O), ref)
@@ -145,7 +145,7 @@ def compose(lay, link, ref, fix, num, work):
 
 @njit
 def subspaces(lay, link, ref, fix, work):
-    """Write the velocity that each dof of a link gives its tree, angular and of the point `ref`."""
+    """Write the motion that a unit rate of each coordinate of a link gives: angular velocity, and velocity of `ref`."""
     row, k, s = lay[at.LINKS] + at.LINK_COLUMNS * link, lay[at.KIN] + at.KIN_SIZE * link, lay[at.SUB]
     first, kind = lay[row + at.FIRST_DOF], lay[row + at.KIND]
     for dof in range(first, first + lay[row + at.DOFS_OF]):

@@ -42,7 +42,7 @@ def fail(lay, work, fails, why):
 
 @inlined
 def slopes(lay, y, work, weight, first):
-    """Write the tangents of this stage to SLOPE and add them, weighted, to SUM; the first stage begins it."""
+    """Write the state's rates at this Runge-Kutta stage to SLOPE, and add them, weighted, to SUM, begun by the first stage."""
     nq, nv, s, total = lay[at.NQ], lay[at.NV], lay[at.SLOPE], lay[at.SUM]
     for dof in range(nv):
         kind = lay[lay[at.DOFS] + at.DOF_COLUMNS * dof + at.DOF_KIND]
@@ -61,7 +61,7 @@ def slopes(lay, y, work, weight, first):
 
 @inlined
 def shift(lay, y, work, section, h):
-    """Write to `y` the state that tangents in a section lead to from START over a time h; turns stay in the section."""
+    """Write to `y` the state START plus h times the rates in `section`, where the rotation vectors are left."""
     nq, nv, start = lay[at.NQ], lay[at.NV], lay[at.START]
     for dof in range(nv):
         d = lay[at.DOFS] + at.DOF_COLUMNS * dof
@@ -145,13 +145,13 @@ def mark_failures(lay, fix, y, work):
 
 @inlined
 def columns_of_base(motion):
-    """Return the number of columns that are the base's: 3, and 6 where it rotates; behind them stand six of every force."""
+    """Return the number of columns of the base: 3, or 6 where it rotates; six for each force follow."""
     return 3 + (motion.shape[2] - 3) % 6
 
 
 @inlined
 def base_at(motion, which, together, point):
-    """Return accelerations of the base and of its roll, pitch, yaw in every lane at an instant of (n_motions, n_points, ..)."""
+    """Return every lane's accelerations of the base, and of its roll, pitch and yaw, at the instant number `point`."""
     i = which[0]
     x, y, z = spread(motion[i, point, 0]), spread(motion[i, point, 1]), spread(motion[i, point, 2])
     roll = pitch = yaw = spread(0.0)
@@ -183,7 +183,7 @@ def load(lay, memory, motion, which, point, instant):
 
 @inlined
 def place_base(lay, fix, y, which, positions, rates, segment):
-    """Let the base stand and move as each lane's motion has it, (n_motions, n_segments, n_driven)."""
+    """Set positions and rates of the base's slides to those of each lane's motion at the start of a segment."""
     for dof in range(lay[at.NV]):
         d = lay[at.DOFS] + at.DOF_COLUMNS * dof
         driven = lay[d + at.DOF_DRIVEN]
@@ -272,7 +272,7 @@ def track_base(base, clock, time, motion, which, point):
 
 @inlined
 def close_cycle(lay, work, base, low, high):
-    """Take the extremes of the first lane's channels, (n_channels + 1, 3), the base's last, and begin to look for new ones."""
+    """Write the first lane's extremes of this cycle, (n_channels + 1, 3), the base's last, and begin those of the next."""
     n, m = lay[at.N_CHANNELS], lay[at.MEMORY]
     for channel in range(n):
         for c in range(3):
