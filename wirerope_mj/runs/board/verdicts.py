@@ -3,13 +3,12 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 
 from wirerope_mj.assessment.comparison import compare_runs
 from wirerope_mj.assessment.correlation import correlate
 from wirerope_mj.assessment.criteria import COMBINED
 from wirerope_mj.assessment.criteria.summary import COMBINED_MEANS
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, by_use, most_used
 from wirerope_mj.content.blocks import Block, Chart, Statement
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
 from wirerope_mj.content.correlation import channel_panel
@@ -99,20 +98,13 @@ class Verdicts:
 
     def _told(self, loaded: Loaded, runs: Sequence[JudgedRun], *, quick: bool = False) -> Told:
         """Return the verdict on the first load cases, as many as there are `runs`, and whether others are yet to come."""
-        job = loaded.job
-        cases = [
+        cases = tuple(
             JudgedCase(name=case.name, folder=case.folder, note=case.note, run=run)
-            for case, run in zip(job.cases, runs, strict=False)
-        ]
-        judged = JudgedJob(
-            name=job.name, question=job.question, cases=tuple(cases), report=job.report, document=job.document,
-            written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
-        )  # fmt: skip
-        self.used = {}
-        for row in (row for run in runs for row in run.verdicts if row.utilisation is not None):
-            self.used[row.subject] = max(row.utilisation or 0.0, self.used.get(row.subject, 0.0))
-        remaining, first = len(job.cases) - len(cases), cases[0].run
-        of_cases = cases if len(cases) > 1 else []
+            for case, run in zip(loaded.job.cases, runs, strict=False)
+        )
+        judged = JudgedJob(name=loaded.job.name, question="", cases=cases, report=(), document=None, written="")
+        self.used = {name: row.utilisation or 0.0 for name, row in by_use(row for run in runs for row in run.verdicts).items()}
+        remaining, of_cases = len(loaded.job.cases) - len(cases), cases if len(cases) > 1 else ()
         passages = {case.name: f"{case.name}\n{said.text}" for case in of_cases if (said := passage(case.run))}
         combined = any(row.criterion == COMBINED and row.utilisation is not None for run in runs for row in run.verdicts)
         blocks = [
@@ -120,11 +112,11 @@ class Verdicts:
                 block, note=COMBINED_MEANS if combined else "",
                 rows=[(passages.get(str(name), name), *rest) for name, *rest in block.rows],
             ) if isinstance(block, Table) and block.id == "criteria" else block
-            for block in (brief(judged) if of_cases else brief_blocks(first))
+            for block in (brief(judged) if of_cases else brief_blocks(runs[0]))
         ]  # fmt: skip
         bars = next((number for number, block in enumerate(blocks, start=1) if isinstance(block, Table)), 0)
         html = fragment(
-            "right.html.jinja", said=job_headline(judged.verdicts) if of_cases else headline(first.verdicts),
+            "right.html.jinja", said=job_headline(judged.verdicts) if of_cases else headline(runs[0].verdicts),
             what_if=", ".join(f"{slider.label} {slider.text(value)}" for slider, value in loaded.moved), quick=quick,
             more=several(remaining, "load case") if remaining else "",
             bars=column_html(blocks[:bars]), blocks=column_html(blocks[bars:]),
