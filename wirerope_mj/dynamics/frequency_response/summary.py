@@ -323,7 +323,7 @@ class OrderBand:
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Compute the frequency bands of a shaft's orders at one speed [1/min] or between two; ValueError for other values."""
+    """Compute frequency bands of a shaft's orders at a speed [1/min] or between two; ValueError for more speeds, or <= 0."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
     speeds = sorted(_checked_limit("--speed-rpm", speed) / 60.0 for speed in speed_rpm)

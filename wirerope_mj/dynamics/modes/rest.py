@@ -242,7 +242,7 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
 def description_of(system: System, rest: AtRest, shape: Array) -> str:
     """Name the motions of payloads that hold most of the kinetic energy of a mode shape (n,), largest first.
 
-    A body's motion relative to its payload, that moving rigidly with its lowest body, is named, too.
+    A body's motion relative to its payload, taken as rigid with its lowest body, is named, too.
     """
     model = system.model
     energy = float(shape @ rest.mass @ shape)

@@ -192,7 +192,7 @@ def spring_of(model: mujoco.MjModel, dof: int) -> tuple[float, float, float]:
 
 
 def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer) -> list[list[int]]:
-    """Return the table of the kinematic trees, row by row; its kind says how a tree's equations are solved."""
+    """Return the table of the kinematic trees, row by row; a tree's kind says how its equations are solved."""
     model = bodies.model
     trees = model.body_treeid[bodies.links]
     rows = []

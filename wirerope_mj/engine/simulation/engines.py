@@ -193,7 +193,7 @@ def compute(
 ) -> RunResult:  # fmt: skip
     """Step a system through a time grid, by the kernel where it can, else by MuJoCo; `sink` takes the samples.
 
-    It may be given samples again from the first on, where the kernel gives up and MuJoCo begins anew.
+    `sink` may be given samples again from the first on, where the kernel gives up and MuJoCo begins anew.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
