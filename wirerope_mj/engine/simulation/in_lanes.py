@@ -119,7 +119,7 @@ def _advance(
     grids: Sequence[Array], moved: Sequence[Array], ends: Integers, samples: int, done: int, sink: Sink | None,
     group: tuple[Group, list[int]],
 ) -> None:  # fmt: skip
-    """Step a group of variants through segments; `grids` holds the rows of `advance`, `moved` the base's, motion by motion."""
+    """Step a group through segments; for each base motion `grids` has the grid's rows, `moved` the base's motion."""
     (lanes, numbers), (positions, rates, accelerations) = group, moved
     out = np.empty((lanes.size, samples, lanes.equations.n_values)) if sink is not None else NOTHING
     lanes.step(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)

@@ -263,7 +263,7 @@ class _Pilot:
 
 
 class _Pilots:
-    """Pilots: trial runs of a system over windows, parts of the time in which its motion is severe, with any step."""
+    """Pilots: trial runs of a system with a chosen step over windows, short parts of a run, spread over its motion."""
 
     def __init__(
         self, system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, engine: Engine
