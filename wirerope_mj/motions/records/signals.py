@@ -25,6 +25,7 @@ _BLOCKS = 64  # means of what follows a pulse, which take the noise off
 # largest residual, over the signal behind its pulse, of a fit with one stage of AC coupling, or with two
 _RESIDUAL, _RESIDUAL_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and behind an undershoot, where no flank disturbs
 _LEAST_LOSS = 0.1  # fraction of the pulse's velocity that must be lost
+_RINGS = 0.015  # of the peak, rms, from which what smoothing takes away behind a pulse is ringing
 _PULSES = 16  # lengths of its pulse that a record has at least, for what follows it to be smoothed by them
 _DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
 _NOISE = 1.2  # times the noise of these means that may be left
@@ -109,7 +110,14 @@ def _without_ringing(a: Array) -> Array:
     length = int(np.count_nonzero(np.diff(above) > 1) < 4) * above.size
     if not 1 < length < a.size // _PULSES:
         return a
-    return scipy.ndimage.uniform_filter1d(scipy.ndimage.uniform_filter1d(a, length), length)
+    smooth = scipy.ndimage.uniform_filter1d(scipy.ndimage.uniform_filter1d(a, length), length)
+    behind = slice(int(above[-1]) + length, None)  # its flanks are smoothed, too
+    rings = (
+        float(np.sqrt(np.mean((a - smooth)[behind] ** 2))) > _RINGS * peak_from(a, rest)
+        if above[-1] + length < a.size
+        else False
+    )
+    return smooth if rings else a
 
 
 def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
