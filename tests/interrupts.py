@@ -67,7 +67,7 @@ COMMANDS = {
     "show": Command("show run --web", seconds=4.0),
     "board": Command("board shock_table --no-browser", seconds=6.0),
 }
-GOES_ON = {"study", "search"}  # Commands whose new folder keeps what is done
+GOES_ON = {"study", "search", "frf"}  # Commands of which what is done is kept
 
 
 def prepare(folder: Path) -> None:

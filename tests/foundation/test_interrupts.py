@@ -16,6 +16,8 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has nei
 STUCK = {
     "lost in a library": "while True:\n        try:\n            print('here', flush=True)\n            time.sleep(60)\n"
     "        except BaseException:\n            pass",
+    "lost in a finalizer": "class Lost:\n        def __del__(self):\n            print('here', flush=True)\n"
+    "            time.sleep(60)\n    Lost()\n    time.sleep(60)",
     "waits": "lock = threading.Lock()\n    lock.acquire()\n    try:\n        print('here', flush=True)\n"
     "        lock.acquire()\n    finally:\n        lock.acquire()",
     "computes": "while True:\n        try:\n            print('here', flush=True)\n"

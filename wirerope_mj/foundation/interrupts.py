@@ -57,6 +57,7 @@ def end_soon_after_interrupts() -> None:
     for number in SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as in the background of a script
             signal.signal(number, _interrupt)
+    sys.unraisablehook = _unraisable
     if sys.platform == "win32":  # has no such pipes for signals
         return
     reading, writing = os.pipe()
@@ -99,6 +100,12 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
         signal.signal(each, signal.SIG_IGN)
     _arrived.append(number)
     raise KeyboardInterrupt
+
+
+def _unraisable(lost: "sys.UnraisableHookArgs") -> None:
+    """Print what nothing can catch, but for an interrupt that is lost in a finalizer or a callback: `_watch` ends it."""
+    if not (_arrived and isinstance(lost.exc_value, KeyboardInterrupt)):
+        sys.__unraisablehook__(lost)
 
 
 def _watch(reading: int) -> None:
