@@ -264,3 +264,21 @@ def test_a_sweep_says_that_a_given_step_is_too_long_for_friction(timestep, times
     asked = {"direction": "x", "payload": "block", "acceleration": 6.0, "settled": 0.1, "timestep": timestep}
     said = said_of_a_given_step(lambda: wr.stepped_sine(system, frequencies=[5.0], **asked))
     assert len(said) == times
+
+
+@pytest.mark.parametrize(("length", "follows"), [(0.2, False), (60.0, True)])
+def test_the_time_of_the_run_is_estimated_where_pilots_are_windows_of_it(length, follows):
+    system = wr.load_system("shock_table")
+    motion = wr.Sine(frequency=8.0, acceleration=1.0, direction="z", duration=length)
+    said = []
+    choose_timestep(
+        system, motion, wr.equilibrium(system).state, duration=length, sample_rate=1000.0, accuracy=1e-4,
+        progress=lambda fraction, run: said.append((fraction, run)),
+    )  # fmt: skip
+    assert all(0.0 < fraction <= 1.0 and (run > 0.0) == follows for fraction, run in said)
+    assert said
+
+
+def test_halvings_leave_a_quarter_of_an_error_each():
+    found = [module._halvings(error, 1e-4) for error in (0.0, 9e-5, 3.9e-4, 4.1e-4, np.inf)]
+    assert found == [0, 0, 1, 2, module.HALVINGS]

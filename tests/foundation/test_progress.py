@@ -90,6 +90,17 @@ def test_an_estimate_of_a_run_holds_what_comes_after_its_bar(capsys, monkeypatch
     assert line.partition(",")[0] == estimate
 
 
+def test_an_estimate_holds_what_its_work_says_comes_after(capsys, monkeypatch):
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    clock = [0.0]
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    with share_bar("choosing the step", "s", enabled=True) as update:
+        for step in range(21):
+            clock[0] = float(step)
+            update(step / 20, 0.0, 15.0)
+    assert capsys.readouterr().err.startswith("choosing the step: about 35 s")
+
+
 def test_what_comes_after_a_block_without_progress_is_not_said(capsys, monkeypatch):
     monkeypatch.setattr(progress, "SAID", 0.0)
     with work_after("run", 100.0, memory=0.0, enabled=False):

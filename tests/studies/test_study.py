@@ -11,6 +11,7 @@ from one_scale import one_scale
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.studies import definition
 from wirerope_mj.studies.results.varied import distribution_text
 from wirerope_mj.studies.vary.distributions import distribution_from_dict, distribution_to_dict
 
@@ -73,6 +74,21 @@ def test_samples_are_the_same_again_and_others_with_another_seed(sampling):
 def test_the_first_variants_of_a_larger_study_are_those_of_a_smaller_one():
     vary = {"motion/level": wr.Normal(1.0, 0.2)}
     assert table_study(vary, variants=30).table().slice(0, 7).equals(table_study(vary, variants=7).table())
+
+
+@pytest.mark.parametrize(
+    ("sampling", "variants"),
+    [("sobol", 100), ("latin-hypercube", 100), ("random", 100), ("sobol-indices", 128), ("grid", None), ("list", None)],
+)
+def test_inputs_drawn_block_by_block_are_those_drawn_at_once(sampling, variants, monkeypatch):
+    vary = {"body/block/mass": wr.Uniform(40.0, 60.0, points=12), "motion/level": wr.Uniform(0.5, 1.5, points=12)}
+    whole = table_study(vary, sampling=sampling, variants=variants)
+    monkeypatch.setattr(definition, "BLOCK", 7)
+    blocks = table_study(vary, sampling=sampling, variants=variants)
+    assert blocks.table().equals(whole.table())
+    assert blocks.rows(5, 4).equals(whole.table().slice(5, 4))
+    assert blocks.row(8) == whole.row(8)
+    assert list(blocks._extreme_motions()) == list(whole._extreme_motions())
 
 
 def test_a_latin_hypercube_has_one_sample_in_every_slice():
@@ -258,7 +274,7 @@ def test_a_system_is_no_model_of_a_study():
 
 def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_written(tmp_path):
     study = table_study({"mount/m1/axial/alpha": wr.Normal(1.0, 0.7, relative=True)}, variants=64)
-    negative = int(np.argmax(np.asarray(study._inputs["mount/m1/axial/alpha"]) <= 0.0))
+    negative = int(np.argmax(np.asarray(study.rows(0, 64)["mount/m1/axial/alpha"]) <= 0.0))
     message = re.escape(f"variant {negative} of study 'study' cannot be: mount 'm1': [axial] `alpha` must be > 0, got -")
     message += r"[\d.]+: the law would not be passive\. `low=` cuts the distribution of mount/m1/axial/alpha off\."
     with pytest.raises(wr.ModelError, match=message):

@@ -6,6 +6,7 @@ from time import perf_counter
 
 from wirerope_mj.cli.options import All, Flag, Integer
 
+OF_A_CASE = 2.9e8  # memory [B] that a process takes in which a case is simulated, with its pages
 BLANK_JOB = ("model", "case", "case.name", "case.half-sine")  # keys that a blank job has without a #
 
 
@@ -46,6 +47,7 @@ def cases(
     from wirerope_mj.content.numbers import several
     from wirerope_mj.engine.simulation.progress import Estimate, time_left
     from wirerope_mj.foundation.interrupts import resumed_by
+    from wirerope_mj.foundation.processes import processors
     from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
     from wirerope_mj.views.terminal import console, show, show_result
@@ -68,7 +70,8 @@ def cases(
     screen = console()
     screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
 
-    count, estimate = 0, Estimate("cases")
+    count, used = 0, min(workers or processors(), len(read.cases))
+    estimate = Estimate("cases", memory=used * OF_A_CASE)
 
     def done(name: str, seconds: float, answer: str, left: int) -> None:
         nonlocal count

@@ -30,7 +30,7 @@ from wirerope_mj.studies.vary.distributions import Distribution, distribution_fr
 from wirerope_mj.studies.vary.mount_quantities import OtherIsolator
 from wirerope_mj.studies.vary.quantities import MotionSettings, quantities
 from wirerope_mj.studies.vary.quantity import InputColumn
-from wirerope_mj.studies.vary.sampling import drawing
+from wirerope_mj.studies.vary.sampling import BLOCK, drawing
 from wirerope_mj.studies.vary.variants import Maker, Row, Work, check_variants
 
 STARTS = ("settled", "relaxed", "unloaded")
@@ -95,6 +95,7 @@ class StudyDefinition:
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
         self.size, self._draw = drawing(self.quantities, variants=variants, sampling=sampling, seed=seed)
         self.require_time(f"a study of {self.size} variants", self.size, "`variants`")
+        self._drawn: tuple[int, pa.Table] | None = None  # the block that was drawn last, by its number
         self._maker = Maker(self.base, self.motions, self._columns)
 
     def require_time(self, subject: str, runs: float, fewer: str) -> None:
@@ -126,14 +127,24 @@ class StudyDefinition:
         Raises:
             ModelError: a variant cannot be: a value is outside a law's valid range, for instance; says which and why.
         """
-        return self._checked
+        self.check()
+        return pa.concat_tables(self._blocks())
+
+    def check(self) -> None:
+        """Raise ModelError if a variant cannot be, as `table` does, without all inputs in memory."""
+        assert self._checked
+
+    def rows(self, first: int, count: int) -> pa.Table:
+        """Draw the inputs of some variants, as they stand in `table`."""
+        blocks = range(first // BLOCK, (first + count - 1) // BLOCK + 1)
+        return pa.concat_tables([self._block(number) for number in blocks]).slice(first - blocks.start * BLOCK, count)
 
     def row(self, variant: int) -> Row:
         """Return the inputs of one variant by column."""
         variant = integer("variant", variant, least=0)
         if variant >= self.size:
             raise ValueError(f"`variant` must be from 0 to {self.size - 1}, got {variant}.")
-        return self._inputs.slice(variant, 1).to_pylist()[0]
+        return self.rows(variant, 1).to_pylist()[0]
 
     def system(self, variant: int) -> System:
         """Return the system of one variant."""
@@ -156,7 +167,9 @@ class StudyDefinition:
         work = self.work
         narrowed = copy(self)
         vars(narrowed).pop("_checked", None)
-        narrowed._inputs, narrowed.size, narrowed.sampling = rows.select(self._inputs.column_names), rows.num_rows, GIVEN
+        names = ["variant", *(column.name for column in self._columns)]
+        narrowed._draw, narrowed._drawn = rows.select(names).slice, None
+        narrowed.size, narrowed.sampling = rows.num_rows, GIVEN
         vars(narrowed)["work"] = work
         return narrowed
 
@@ -178,20 +191,26 @@ class StudyDefinition:
 
     def _extreme_motions(self) -> Iterator[BaseMotion]:
         """Yield the motion of the highest level of every record; if the direction varies, those farthest along x, y and z."""
-        rows, names = self._checked.num_rows, self._checked.column_names
-        settings = MotionSettings.of(self._columns, {name: np.asarray(self._checked[name]) for name in names})
-        size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), rows)
-        reaches = [size]
-        if settings.turns:
-            a, e = (np.radians(0.0 if angle is None else angle) for angle in (settings.azimuth, settings.elevation))
-            axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
-            reaches = [size * np.abs(axis) for axis in axes]
-        record, numbers = np.broadcast_to(settings.record, rows), dict[int, None]()
-        for number in np.unique(record):
-            rows_of_record = np.flatnonzero(record == number)
-            numbers |= {int(rows_of_record[np.argmax(reach[rows_of_record])]): None for reach in reaches}
-        for row in numbers:
-            yield self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
+        self.check()
+        farthest = dict[tuple[int, int], tuple[float, int, Row]]()  # by record and axis: how far, the variant's place, and it
+        for place, block in enumerate(self._blocks()):
+            settings = MotionSettings.of(self._columns, {name: np.asarray(block[name]) for name in block.column_names})
+            size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), block.num_rows)
+            reaches = [size]
+            if settings.turns:
+                a, e = (np.radians(0.0 if angle is None else angle) for angle in (settings.azimuth, settings.elevation))
+                axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
+                reaches = [size * np.abs(axis) for axis in axes]
+            record = np.broadcast_to(settings.record, block.num_rows)
+            for number in np.unique(record).tolist():
+                rows_of_record = np.flatnonzero(record == number)
+                for axis, reach in enumerate(reaches):
+                    row = int(rows_of_record[np.argmax(reach[rows_of_record])])
+                    if (number, axis) not in farthest or reach[row] > farthest[number, axis][0]:
+                        farthest[number, axis] = float(reach[row]), place * BLOCK + row, block.slice(row, 1).to_pylist()[0]
+        chosen = {variant: inputs for _, (_, variant, inputs) in sorted(farthest.items())}
+        for inputs in chosen.values():
+            yield self._maker.motion(inputs)
 
     def warn_of_given_step(self) -> None:
         """Warn of a given step that is too long for the friction of the nominal system under the extreme motions."""
@@ -201,16 +220,20 @@ class StudyDefinition:
                 initial=self.initial, sample_rate=self.sample_rate,
             )  # fmt: skip
 
-    @cached_property
-    def _inputs(self) -> pa.Table:
-        """Inputs of all variants, drawn on first use: a stored result is read without them."""
-        return self._draw()
+    def _block(self, number: int) -> pa.Table:
+        """Draw the inputs of a block of variants, unless it was the last that was drawn."""
+        if self._drawn is None or self._drawn[0] != number:
+            self._drawn = number, self._draw(number * BLOCK, min(BLOCK, self.size - number * BLOCK))
+        return self._drawn[1]
+
+    def _blocks(self) -> Iterator[pa.Table]:
+        return map(self._block, range(-(-self.size // BLOCK)))
 
     @property
     def _columns(self) -> tuple[InputColumn, ...]:
         return tuple(column for quantity in self.quantities for column in quantity.columns)
 
     @cached_property
-    def _checked(self) -> pa.Table:
-        check_variants(self.name, self.base, self.motions, self._columns, self._inputs)
-        return self._inputs
+    def _checked(self) -> bool:
+        check_variants(self.name, self.base, self.motions, self._columns, self._blocks())
+        return True

@@ -10,7 +10,6 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.run import warn_of_aliasing, warn_of_missing_modes
 from wirerope_mj.foundation.arguments import integer, one_of
-from wirerope_mj.foundation.budget import memory_taken
 from wirerope_mj.foundation.processes import processors
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
@@ -99,7 +98,7 @@ class Study(StudyDefinition):
         folder = Path(folder)
         run = checked_engine(engine, workers=workers, address=address)
         one_of("keep", keep, KEPT)
-        self.table()  # every variant is checked before anything is written
+        self.check()  # before anything is written
 
         def call(place: Path) -> None:
             when_done(read_result(place, type(self)))
@@ -116,7 +115,7 @@ class Study(StudyDefinition):
                 used = 1 if engine != "local" else workers or processors()
                 with share_bar(
                     "study", "variants/s", total=self.size, parts="variants", enabled=progress, begun=already / self.size,
-                    memory=(used > 1) * used * memory_taken(), disk=disk_of(self, keep),
+                    memory=(used > 1) * used * memory_of_worker(keep), disk=disk_of(self, keep),
                 ) as update:  # fmt: skip
                     began, ended = perf_counter(), 0
                     parts = run(self.work, chunks(self, missing, keep), workers=workers, address=address)
@@ -157,6 +156,11 @@ def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     return min(size, max(MEMORY // (8 * samples), 1))
 
 
+def memory_of_worker(keep: str = PEAKS) -> float:
+    """Return about what a process that computes chunks takes of its own [B], beside the code that it shares with others."""
+    return 1.2e8 + (3.0 * MEMORY if keep == RESPONSES else 0.0)
+
+
 def disk_of(study: StudyDefinition, keep: str = PEAKS) -> float:
     """Return the size of a study's table, and of its variants' samples if they are kept [B]."""
     numbers = len(study.work.columns) + len(measure_names(study.base))
@@ -169,7 +173,7 @@ def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) ->
     """Yield the chunks of variants with these numbers."""
     size = chunk_size(study, keep)
     for number in numbers:
-        rows = study.table().slice(number * size, size).to_pylist()
+        rows = study.rows(number * size, min(size, study.size - number * size)).to_pylist()
         yield Chunk(number=number, rows=rows, responses=keep == RESPONSES)
 
 

@@ -149,10 +149,7 @@ def frequency_sweep(
     wait = None if settled is None else positive("settled", settled)
     most = integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
-    with (
-        Collector(system, direction=sweep.direction, out=out) as collector,
-        share_bar("sweeping", "Hz", enabled=progress) as update,
-    ):
+    with Collector(system, direction=sweep.direction, out=out) as collector:
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
         warnings: list[str] = []
         if wait is not None:
@@ -167,7 +164,7 @@ def frequency_sweep(
                     f"after {lead.cycles} cycles, not {wait:.2g}."
                 )
         start = at_start(system, sweep, start)
-        with stepping(system, sweep, start, step.timestep) as stepped:
+        with stepping(system, sweep, start, step.timestep) as stepped, share_bar("sweeping", "Hz", enabled=progress) as update:
             for first in range(0, instants.size - 1, CHUNK):
                 ends = instants[first : first + CHUNK + 1]
                 extremes = stepped.run(ends)

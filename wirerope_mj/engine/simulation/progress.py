@@ -6,11 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from time import perf_counter, process_time
+from typing import Protocol
 
 from wirerope_mj.foundation.budget import bytes_text, memory_taken
 from wirerope_mj.foundation.units import rough_duration_text
 
-Update = Callable[[float, float], None]
+
+class Update(Protocol):
+    """Takes the completed fraction, a value to show, and what takes time after the block [s]."""
+
+    def __call__(self, fraction: float, value: float, after: float = 0.0) -> None: ...
+
+
 # time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
 SETTLED = 1.0  # time [s] over which the speed of the work tells how long all of it takes
@@ -38,8 +45,8 @@ class Estimate:
         self.first: tuple[float, float] | None = None  # instant [s] and fraction from which on the speed is measured
         self.began = perf_counter()
 
-    def update(self, fraction: float, say: Callable[[str], None] = print_line) -> None:
-        """Take the completed fraction; say the estimate, once, as soon as the speed is known, if it exceeds ten seconds."""
+    def update(self, fraction: float, say: Callable[[str], None] = print_line, *, after: float = 0.0) -> None:
+        """Take the completed fraction; say the estimate, `after` [s] included, once the speed is known, if it is long."""
         now = perf_counter()
         if self.said or not self.begun < fraction < 1.0:
             return
@@ -48,7 +55,7 @@ class Estimate:
             self.first = (now, fraction) if small else (self.began, self.begun)
         elapsed, done = now - self.first[0], fraction - self.first[1]
         if elapsed >= SETTLED and done > 0.0:
-            self.say((self.whole or self).seconds(elapsed * (1.0 - fraction) / done), say)
+            self.say((self.whole or self).seconds(elapsed * (1.0 - fraction) / done + after), say)
             if self.whole and self.said:
                 self.whole.said = True
 
@@ -98,10 +105,10 @@ def share_bar(
 
     All on standard error: an `Estimate`, and a bar, or where standard error is no terminal, as in a batch job, a line now and
     then. `begun` is the fraction that was done before; `total` the number of `parts`, of which those done are counted; `memory`
-    and `disk` are those of the estimate. Yields the function to call with the completed fraction and the value.
+    and `disk` are those of the estimate. Yields the function to call.
     """
     if not enabled:
-        yield lambda fraction, value: None
+        yield lambda fraction, value, after=0.0: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -115,9 +122,9 @@ def share_bar(
     if not (console.is_terminal or console.is_jupyter):
         last, shown = began, begun
 
-        def update_lines(fraction: float, value: float) -> None:
+        def update_lines(fraction: float, value: float, after: float = 0.0) -> None:
             nonlocal last, shown
-            estimate.update(fraction)
+            estimate.update(fraction, after=after)
             now = perf_counter()
             if now - last >= PATIENCE and fraction - shown >= PACE:
                 last, shown = now, fraction
@@ -133,8 +140,8 @@ def share_bar(
         task = progress.add_task("", total=1.0, now=text(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)
 
-        def update(fraction: float, value: float) -> None:
-            estimate.update(fraction, lambda line: console.print(line, highlight=False, soft_wrap=True))
+        def update(fraction: float, value: float, after: float = 0.0) -> None:
+            estimate.update(fraction, lambda line: console.print(line, highlight=False, soft_wrap=True), after=after)
             seconds = time_left(fraction, perf_counter() - began, begun=begun)
             progress.update(task, completed=fraction, now=text(fraction, value), left=seconds)
 

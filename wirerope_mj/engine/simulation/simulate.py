@@ -103,7 +103,7 @@ def simulate(
         with share_bar("choosing the step", f"of {duration:.4g} s", enabled=progress) as update:
             step = choose_timestep(
                 system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, engine=engine,
-                longest=longest, progress=lambda fraction: update(fraction, 0.0),
+                longest=longest, progress=lambda fraction, run: update(fraction, 0.0, run),
             )  # fmt: skip
     else:
         stated_step = checked_step(system, timestep, duration)

@@ -93,7 +93,7 @@ def error_of_given(
 
 def choose_timestep(
     system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
-    engine: Engine = "auto", longest: float = math.inf, progress: Callable[[float], None] = lambda fraction: None,
+    engine: Engine = "auto", longest: float = math.inf, progress: Callable[[float, float], None] = lambda done, run: None,
 ) -> ChosenStep:  # fmt: skip
     """Halve the step until short trial runs (pilots) keep samples and refined peaks within `accuracy`; returns also the error.
 
@@ -101,7 +101,8 @@ def choose_timestep(
     is short, else windows of it that start from `start`. The errors of two pilots are estimated by `_errors`, and the coarser
     or the finer is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
     as that shows, and the error says what was reached. BudgetError if a finer step would take more than `longest` [s] of
-    computing in all. `progress` takes the fraction of all pilots that is done, as far as their order of convergence tells.
+    computing in all. `progress` takes the fraction of all pilots that is done, as far as their order of convergence tells, and
+    the time [s] that the run then takes.
     """
     pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
     pilots.longest = longest
@@ -126,9 +127,11 @@ def choose_timestep(
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
         difference = _difference(coarse, fine)
-        progress(pilots.fraction_done(difference, wanted))
         touches = fine is not None and any(pilot.touches for pilot in fine)
         error, finer = (RICHARDSON * difference, np.inf) if touches else _errors(difference, before)
+        # Where the order is not yet known the finer one's error is taken for the whole difference, and then for half of it.
+        halvings = _halvings(error if touches else finer, wanted * (1.0 if touches or np.isfinite(before) else 2.0))
+        progress(*pilots.times(halvings, 0.0 if whole else duration))
         if fine is not None and not touches and any(pilot.hits for pilot in fine) and np.isfinite(difference):
             if finer <= wanted:  # by luck, or since it converges: a third step tells
                 third = _difference(pilots.at(step / 3.0), fine)
@@ -174,6 +177,11 @@ def _errors(difference: float, before: float) -> tuple[float, float]:
         fall = min(max(before / difference - 1.0, LEAST_FALL), MOST_FALL)
         finer = max(difference / fall, before / TWO_HALVINGS)
     return difference + finer, finer
+
+
+def _halvings(error: float, wanted: float) -> int:
+    """Estimate how many halvings, each of which leaves a quarter, bring an error below what is wanted."""
+    return max(math.ceil(math.log(error / wanted, 4.0)), 0) if 0.0 < error < np.inf else 0 if error == 0.0 else HALVINGS
 
 
 def _longer(
@@ -300,14 +308,13 @@ class _Pilots:
         finally:
             self.last = perf_counter() - began
 
-    def fraction_done(self, difference: float, wanted: float) -> float:
-        """Estimate which fraction of the computing time of all trial runs has passed, from the `difference` of the last two.
+    def times(self, halvings: int, duration: float) -> tuple[float, float]:
+        """Estimate which fraction of the computing time of all trial runs has passed, and the time of the run [s].
 
-        The finer one's error is a third of it, and falls to a quarter with each halving, which takes twice the time.
+        Each halving takes twice the time, and the step of the run is that of the last trial to twice it.
         """
-        halvings = math.ceil(math.log(max(difference / (3.0 * wanted), 1.0), 4.0)) if np.isfinite(difference) else HALVINGS
-        elapsed = perf_counter() - self.began
-        return elapsed / (elapsed + self.last * (2.0 ** (halvings + 1) - 2.0))
+        elapsed, trial = perf_counter() - self.began, self.last / sum(length for _, length in self.windows)
+        return elapsed / (elapsed + self.last * (2.0 ** (halvings + 1) - 2.0)), trial * 2.0 ** (halvings - 0.5) * duration
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
         """Simulate windows of equal length, which begin at samples, by the kernel side by side; None if it gave one up."""

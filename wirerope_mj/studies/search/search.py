@@ -15,6 +15,7 @@ from wirerope_mj.engine.simulation.progress import Update, share_bar
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import finite, integer, one_of
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.processes import processors
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
@@ -33,7 +34,7 @@ from wirerope_mj.studies.search.result import (
     read_result,
     violations,
 )
-from wirerope_mj.studies.study import checked_engine, chunk_size
+from wirerope_mj.studies.study import checked_engine, chunk_size, memory_of_worker
 from wirerope_mj.studies.vary.distributions import Choice, Uniform
 
 FEWEST = 4  # Designs that a generation needs for crossover
@@ -213,7 +214,11 @@ class Search:
         with study_folder(study, folder, keep=keep, resume=resume, force=force, when_done=call, search=added) as place:
             parts = 0
             if not (place / TABLE).is_file():
-                with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
+                used = 1 if engine != "local" else workers or processors()
+                with share_bar(
+                    "search", "designs/s", total=self.generations, parts="generations", enabled=progress,
+                    memory=(used > 1) * used * memory_of_worker(keep),
+                ) as update:  # fmt: skip
                     evolving = Evolving(self, place, keep, run, {"workers": workers, "address": address}, update)
                     with closing(evolving):  # so that no process goes on if this one is interrupted
                         evolving.evolve()

@@ -6,7 +6,7 @@ And how well the scatter of a few specimens is known.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -27,17 +27,18 @@ RANK = 1e-9
 _OF_A_NUMBER = 24  # Bytes that one number of the inputs takes: its probability, its value, and its place in the table
 OF_INDICES = "sobol-indices"  # the sampling of Saltelli's matrices, from which Sobol indices are found
 SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, OF_INDICES)
+BLOCK = 2**16  # variants that are drawn at once: of a million, the inputs are never in memory together
 FEWEST = 8  # base rows of these matrices below which no variance is worth the name
 
 
 def drawing(
     quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int
-) -> tuple[int, Callable[[], pa.Table]]:
-    """Return the number of variants, and a function that draws their inputs: `variant` and a column for each sampled number.
+) -> tuple[int, Callable[[int, int], pa.Table]]:
+    """Return the number of variants, and a function that draws inputs of some, given the first and how many.
 
-    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger
-    study are those of a smaller one. ValueError if the number of variants is not positive or does not suit the sampling,
-    the sampling is unknown, or a grid has no listed values.
+    The same arguments give the same table, whatever is drawn at once. With "sobol", "sobol-indices" and "random" the first
+    variants of a larger study are those of a smaller one. ValueError if the number of variants is not positive or does not
+    suit the sampling, the sampling is unknown, or a grid has no listed values.
     """
     one_of("sampling", sampling, SAMPLINGS)
     if sampling in LISTED:
@@ -47,42 +48,56 @@ def drawing(
     columns = sum(len(quantity.columns) for quantity in quantities)
     size = integer("variants", variants, least=1)
     _require_memory(size, columns)
+    points: Callable[[int, int], Array]
     if sampling == OF_INDICES:
         groups = factors(quantities)
         base_rows(size, len(groups))
         if 2 * columns > (most := scipy.stats.qmc.Sobol.MAXDIM):
             raise ValueError(f"Sobol's sequence has {most} dimensions, and {columns} numbers vary, each twice.")
-    elif sampling == "sobol" and columns > (most := scipy.stats.qmc.Sobol.MAXDIM):
-        raise ValueError(
-            f"Sobol's sequence has {most} dimensions, and {columns} numbers vary; use `sampling` "
-            '"latin-hypercube" or "random".'
-        )
+        points = partial(saltelli_points, list(groups.values()), size, seed)
+    elif sampling == "random":
+        points = partial(_random_points, columns, seed)
+    elif sampling == "latin-hypercube":  # whose strata are shuffled over all variants
+        hypercube = cache(lambda: scipy.stats.qmc.LatinHypercube(columns, rng=np.random.default_rng(seed)).random(size))
+        points = lambda first, count: hypercube()[first : first + count]  # noqa: E731
+    else:
+        if columns > (most := scipy.stats.qmc.Sobol.MAXDIM):
+            raise ValueError(
+                f"Sobol's sequence has {most} dimensions, and {columns} numbers vary; use `sampling` "
+                '"latin-hypercube" or "random".'
+            )
+        points = partial(_sobol_points, columns, seed)
     for quantity in quantities:  # what the distributions refuse is refused now
         values_at(quantity, np.full((1, len(quantity.columns)), 0.5))
-    return size, partial(_sampled, quantities, size, sampling, seed)
+    return size, partial(_sampled, quantities, points)
 
 
-def _sampled(quantities: Sequence[Quantity], variants: int, sampling: str, seed: int) -> pa.Table:
-    """Draw the inputs: probabilities by the sampling, one for each column of a variant, and values at them."""
-    columns = sum(len(quantity.columns) for quantity in quantities)
-    if sampling == OF_INDICES:
-        points = saltelli_points(list(factors(quantities).values()), variants, seed)
-    elif sampling == "random":
-        points = np.random.default_rng(seed).random((variants, columns))
-    elif sampling == "latin-hypercube":
-        points = scipy.stats.qmc.LatinHypercube(columns, rng=np.random.default_rng(seed)).random(variants)
-    else:  # balanced in powers of two; every shorter series is the beginning of them
-        sequence = scipy.stats.qmc.Sobol(columns, scramble=True, rng=np.random.default_rng(seed))
-        points = sequence.random_base2(max(variants - 1, 0).bit_length())[:variants]
+def _random_points(columns: int, seed: int, first: int, count: int) -> Array:
+    """Draw a piece of NumPy's random numbers, (count, columns)."""
+    generator = np.random.PCG64(seed)
+    generator.advance(first * columns)  # a number takes a step
+    return np.random.Generator(generator).random((count, columns))
+
+
+def _sobol_points(columns: int, seed: int, first: int, count: int) -> Array:
+    """Draw a piece of Sobol's sequence, (count, columns); the piece is drawn to a power of two, in which it is balanced."""
+    sequence = scipy.stats.qmc.Sobol(columns, scramble=True, rng=np.random.default_rng(seed))
+    if first:
+        sequence.fast_forward(first)
+    return np.asarray(sequence.random(1 << max(count - 1, 0).bit_length())[:count])
+
+
+def _sampled(quantities: Sequence[Quantity], points: Callable[[int, int], Array], first: int, count: int) -> pa.Table:
+    """Draw the inputs of some variants: probabilities, one for each column, and values at them."""
     ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
-    blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
-    return _table(quantities, [column for quantity, part in blocks for column in values_at(quantity, part)])
+    blocks = zip(quantities, np.split(points(first, count), ends, axis=1), strict=True)
+    return _table(quantities, [column for quantity, part in blocks for column in values_at(quantity, part)], first)
 
 
-def _table(quantities: Sequence[Quantity], values: Sequence[list[Any] | AnyArray]) -> pa.Table:
-    """Join the values of all columns, (n,) each, to a table of inputs with numbered variants."""
+def _table(quantities: Sequence[Quantity], values: Sequence[Sequence[Any] | AnyArray], first: int) -> pa.Table:
+    """Join the values of all columns, (n,) each, to a table of inputs with variants numbered from `first` on."""
     columns = [column for quantity in quantities for column in quantity.columns]
-    numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
+    numbers = pa.array(np.arange(first, first + len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
 
@@ -155,13 +170,12 @@ def _lists(quantities: Sequence[Quantity], variants: int | None, sampling: str) 
     return lists
 
 
-def _listed(quantities: Sequence[Quantity], lists: Sequence[list[Any]], sampling: str) -> pa.Table:
-    """Return the inputs of a list, or of a grid: all combinations; the last one varies fastest."""
+def _listed(quantities: Sequence[Quantity], lists: Sequence[list[Any]], sampling: str, first: int, count: int) -> pa.Table:
+    """Return inputs of a list, or of a grid: all combinations; the last one varies fastest."""
     if sampling == "list":
-        return _table(quantities, lists)
-    sizes = [len(values) for values in lists]
-    indices = np.unravel_index(np.arange(math.prod(sizes)), sizes)
-    return _table(quantities, [[values[k] for k in row] for values, row in zip(lists, indices, strict=True)])
+        return _table(quantities, [values[first : first + count] for values in lists], first)
+    indices = np.unravel_index(np.arange(first, first + count), [len(values) for values in lists])
+    return _table(quantities, [[values[k] for k in row] for values, row in zip(lists, indices, strict=True)], first)
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
@@ -196,25 +210,29 @@ def base_rows(variants: int, n_factors: int) -> int:
     )
 
 
-def saltelli_points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
-    """Draw probabilities between 0 and 1, (variants, n_columns), as rows of Saltelli's matrices (Saltelli et al. 2010).
+def saltelli_points(
+    groups: Sequence[Sequence[int]], variants: int, seed: int, first: int = 0, count: int | None = None
+) -> Array:
+    """Draw probabilities between 0 and 1, (count, n_columns), as rows of Saltelli's matrices (Saltelli et al. 2010).
 
     Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins
     with a smaller one, and what a failed variant spoils is one row. ValueError if the number of variants does not suit.
     """
-    rows = base_rows(variants, len(groups))
-    columns = sum(map(len, groups))
-    sequence = scipy.stats.qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
+    base_rows(variants, len(groups))
+    of_row, end = len(groups) + 2, variants if count is None else first + count
+    begin = first // of_row
+    columns, rows = sum(map(len, groups)), -(-end // of_row) - begin
+    sequence = _sobol_points(2 * columns, seed, begin, rows)
     # Sobol's first dimensions fill the space best, even in pairs: they go to factors of few columns, for each of which much
     # hangs on one number.
     order = [column for group in sorted(groups, key=len) for column in group]
     a, b = np.empty((2, rows, columns))
     a[:, order], b[:, order] = sequence[:, 0::2], sequence[:, 1::2]
-    rows_of = np.repeat(a[:, None], len(groups) + 2, axis=1)
+    rows_of = np.repeat(a[:, None], of_row, axis=1)
     rows_of[:, 1] = b
     for number, group in enumerate(groups, start=2):
         rows_of[:, number, group] = b[:, group]
-    return rows_of.reshape(variants, columns)
+    return rows_of.reshape(rows * of_row, columns)[first - begin * of_row : end - begin * of_row]
 
 
 _UNTESTED = ("catalogue", "estimated")  # kinds of isolators whose scatter is no specimens'

@@ -163,38 +163,44 @@ Check = Callable[[Row], object]  # Raises an error if one variant is not valid
 
 
 def check_variants(
-    name: str, system: System, motions: Sequence[BaseMotion], columns: Sequence[InputColumn], inputs: pa.Table
+    name: str, system: System, motions: Sequence[BaseMotion], columns: Sequence[InputColumn], blocks: Iterable[pa.Table]
 ) -> None:
-    """Raise ModelError for the first invalid variant of the study `name`, with the reason.
+    """Raise ModelError for the first invalid variant of the study `name`, whose inputs come in `blocks`, with the reason.
 
-    A StudyWarning says which values look like factors on the model's, or factors and shifts like values.
+    A StudyWarning says which values of the first block look like factors on the model's, or factors and shifts like values.
     """
-    for column in columns:
-        for message in column.warnings(system, np.asarray(inputs[column.name])):
-            warnings.warn(message, StudyWarning, stacklevel=2)
     maker = Maker(system, motions, columns)
+    first_moved = dict[str, Row]()  # of what one layout has no room for, none has: the first in which each position is another
 
     def check_motion(row: Row) -> None:
         check_direction(system, maker.motion(row))
 
-    for first in range(0, inputs.num_rows, BLOCK):
-        block = inputs.slice(first, BLOCK)
-        checks: list[Check] = [] if systems_valid(system, columns, block) else [maker.changes]
-        checks += [] if _motions_valid(system, columns, block, check_motion) else [check_motion]
-        for row in block.to_pylist() if checks else []:
-            try:
-                for check in checks:
-                    check(row)
-            except (ValueError, WireRopeError) as error:
-                numbers = [field.name for field in columns if field.type == pa.float64()]
-                below = [number for number in numbers if row[number] <= 0.0 < np.mean(inputs[number])]
-                cut = f" `low=` cuts the distribution of {below[0]} off." if below else ""
-                raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}{cut}") from None
-        maker.forget()
-    # What one layout has no room for, none has: the first, and the first in which each position is another one.
-    moved = (np.argmax(column.moved(system, np.asarray(inputs[column.name]))) for column in columns)
-    for index in dict.fromkeys([0, *map(int, moved)]):
-        maker.system(inputs.slice(index, 1).to_pylist()[0])
+    for number, inputs in enumerate(blocks):
+        values = {column.name: np.asarray(inputs[column.name]) for column in columns}
+        for column in columns if number == 0 else ():
+            for message in column.warnings(system, values[column.name]):
+                warnings.warn(message, StudyWarning, stacklevel=2)
+        for first in range(0, inputs.num_rows, BLOCK):
+            block = inputs.slice(first, BLOCK)
+            checks: list[Check] = [] if systems_valid(system, columns, block) else [maker.changes]
+            checks += [] if _motions_valid(system, columns, block, check_motion) else [check_motion]
+            for row in block.to_pylist() if checks else []:
+                try:
+                    for check in checks:
+                        check(row)
+                except (ValueError, WireRopeError) as error:
+                    numbers = [field.name for field in columns if field.type == pa.float64()]
+                    below = [number for number in numbers if row[number] <= 0.0 < np.mean(values[number])]
+                    cut = f" `low=` cuts the distribution of {below[0]} off." if below else ""
+                    raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}{cut}") from None
+            maker.forget()
+        if number == 0:
+            first_moved[""] = inputs.slice(0, 1).to_pylist()[0]
+        for column in columns:
+            if column.name not in first_moved and (moved := column.moved(system, values[column.name])).any():
+                first_moved[column.name] = inputs.slice(int(np.argmax(moved)), 1).to_pylist()[0]
+    for row in first_moved.values():
+        maker.system(row)
 
 
 def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
