@@ -81,7 +81,7 @@ def refused(study):
 
 def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeypatch):
     study = pinched_study(variants=4000)
-    beta, gamma = (np.asarray(study._inputs[f"mount/m1/axial/{key}"]) for key in ("beta", "gamma"))
+    beta, gamma = (np.asarray(study.rows(0, study.size)[f"mount/m1/axial/{key}"]) for key in ("beta", "gamma"))
     total = 100.0 * beta - 50.0 * gamma
     first = int(np.argmax(total <= 0.0))
     assert first > 0
