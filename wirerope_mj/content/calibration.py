@@ -187,7 +187,7 @@ def _charts(result: Calibration) -> Iterator[Chart]:
         yield Chart(
             rows=((panel,),), height=170.0, id=f"history-{k}",
             caption=f"{series.name}: measured and calculated with the medians; the band holds what the values and the "
-            f"model's own error leave open.{' Saturated samples are left out, and both curves straight.' if gaps else ''}",
+            f"model's own error leave open.{' Saturated samples are left out: straight lines.' if gaps else ''}",
             alt=f"{series.name}, measured and calculated",
         )  # fmt: skip
 

@@ -143,7 +143,7 @@ def _run_parts(run: JudgedRun) -> tuple[_Part, ...]:
 
 
 def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
-    """Yield the weakest part with the effect of all graded parts on peaks, and a table of the parts."""
+    """Yield the lowest grade, the uncertainty of peaks by all that is graded, and a table of what is graded."""
     weakest = min(parts, key=lambda part: part.grade)
     known = [part for part in parts if math.isfinite(part.size)]
     total = sum(part.size**2 for part in known)

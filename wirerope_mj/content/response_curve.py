@@ -281,7 +281,7 @@ Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its
 
 
 def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
-    """Yield loops and phase portraits of the mount that does most work, along the resonance, and a table of these motions."""
+    """Yield loops and phase portraits of the mount that does most work at some levels' resonances, and a table of them."""
     if not branches or not branches[0].system.mounts:
         return
     rows = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _PANELS)).round().astype(int))

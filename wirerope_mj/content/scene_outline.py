@@ -82,6 +82,7 @@ class Outline:
 
 
 def flexible_bodies(scene: Scene) -> list[str]:
+    """Name the bodies that deform: those with modes, and the deck panel, which is a mass on a spring."""
     return [body.name for body in scene.bodies if body.bends or body.name == NAME]
 
 

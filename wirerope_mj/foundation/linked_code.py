@@ -151,7 +151,7 @@ class KernelFiles(_Cache):
         keep(cache_folder() / self._name(sig, data.codegen.magic_tuple()), content_of(data))
 
     def enable(self) -> None:
-        """Do nothing: files are always used, and never wrong."""
+        """Do nothing: Numba can switch its own caches on and off, and empty them; this one is always used."""
 
     disable = flush = enable
 

@@ -241,6 +241,7 @@ class StraightMotion(BaseMotion):
         return self.unit[np.newaxis]
 
     def _derivative(self, t: Array, order: int) -> Array:
+        """Return the derivative by time of this order, (n, 3): that along the line times the line's unit vector."""
         along = self._along(t, order)
         if along.size < _FEW_INSTANTS:
             return along[:, np.newaxis] * self.unit

@@ -17,7 +17,7 @@ _ALONG = 0.1  # of a unit vector, from which a motion has a part along an axis
 
 
 def job_doubts(cases: Sequence[LoadCase]) -> Iterator[str]:
-    """Yield a sentence on each load case whose name is not of its motion, and on each two that are the same."""
+    """Yield a sentence on each load case whose name contradicts its motion's direction, and on each two that are the same."""
     for case in cases:
         upright, level = _VERTICAL.search(case.name), _LEVEL.search(case.name)
         moved = _axes(case.scenario.motion)

@@ -1,4 +1,4 @@
-"""The inputs of a study in `study.toml`, the digest of them by which its folder is known, and what else the numbers hang on."""
+"""The inputs of a study in `study.toml`, their digest by which its folder is known, and versions that its numbers depend on."""
 
 import hashlib
 import inspect

@@ -94,7 +94,7 @@ class Ranges:
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
-    """Choose the unit of every unknown, (n_x,).
+    """Choose the size by which every unknown is divided, (n_x,).
 
     Units of lengths and speeds are the mounts' half ranges. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
     the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. Internal states

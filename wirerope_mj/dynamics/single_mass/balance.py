@@ -127,7 +127,7 @@ def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolera
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class HarmonicOrbit(Summarised):
-    """A periodic motion by harmonic balance; phase 0 of the sine at the first sample, the last one period later."""
+    """A periodic motion by harmonic balance; the base's sine begins at the first sample, the last one is a period later."""
 
     law: Law  #: of the isolator axis
     mass: float  #: [kg]

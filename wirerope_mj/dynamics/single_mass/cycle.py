@@ -59,7 +59,10 @@ def turning_points(path):
 
 @njit
 def round_path(law, p, turning, z, c, a):
-    """Integrate the states in place along the turning points; False if they are no longer finite."""
+    """Carry the states `z` of a law with parameters `p` from turning point to turning point [m]; False if one is not finite.
+
+    `c` and `a` are scratch.
+    """
     fine = True
     for t in range(1, turning.size):
         fine = fine and carry(law, p, turning[t - 1], turning[t], z, c, a)

@@ -113,7 +113,7 @@ class Callbacks(NamedTuple):
 
 @inlined
 def _find_system(m, in_model):  # type: ignore[no-untyped-def]
-    """Find the system in the model at address `m`, with the offsets of nu, actuator_dynprm and numeric_data in mjModel.
+    """Find this package's tables in the mjModel at address `m`; `in_model`: offsets of nu, actuator_dynprm, numeric_data there.
 
     Returns whether there is one, its state actuator, layout and parameters as arrays, and its first entries in userdata and in
     act. Arrays begin where the system's entries do, so that the kernels get 0 for their addresses: a constant, which the

@@ -197,7 +197,7 @@ def deflections(lay, fix, num, y, work):
 
 @njit
 def evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch):
-    """Compute the accelerations at rest in the lanes' positions, hysteretic states carried there from deflections `before`."""
+    """Compute each variant's accelerations at rest in its position, states carried there from deflections `before`."""
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     if follows.size:
         deflections(lay, fix, num, y, work)

@@ -52,7 +52,7 @@ from wirerope_mj.motions import BaseMotion
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BatchResult(Brief):
-    """Result of a variant that came to its end."""
+    """Result of one variant of a batch that was simulated to its end."""
 
     peaks: Peaks  #: peaks over every step
     #: initial_state, final_state: states at the start and at the end

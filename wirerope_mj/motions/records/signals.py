@@ -41,7 +41,11 @@ def level_shift(a: Array) -> tuple[float, float, int] | None:
 
 
 def _shift_at(a: Array, looked_at: Array) -> tuple[float, float, int] | None:
-    """Find a change of level of a signal (n,) where what is looked at in its place, such as without its pulse, has one."""
+    """Find a lasting step in the level of a signal `a` (n,): its medians before and after, and the sample of the step.
+
+    The step is sought in `looked_at`, (n,), the same signal, as a rule without its pulse. None if it is small against the
+    scatter, or large as what the signal shows, or if the level on either side is not steady.
+    """
     at = int(np.abs(np.cumsum(looked_at - looked_at.mean())).argmax()) + 1
     parts = a[:at], a[at:]
     if min(map(len, parts)) < _PARTS * _FEWEST:

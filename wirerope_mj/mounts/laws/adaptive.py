@@ -125,7 +125,7 @@ def mean_slope(k, m, c):
 
 @njit
 def error_slope(k, m, c):
-    """Return the difference of the mean slopes of fifth and fourth order of state c, or of the work."""
+    """Estimate the error of a step's mean slope of state `c`, or of the work: that of fifth order less that of fourth."""
     return (
         71 / 57600 * k[c]
         - 71 / 16695 * k[2 * m + c]

@@ -177,7 +177,7 @@ def pushing_work(p, i, cubic, start, end, x0, w, s):
 
 @njit
 def stop_work(p, i, cubic, start, end, z, j):
-    """Carry the state of a viscous stop in place along a cubic path without a reversal and return the work done on it [J]."""
+    """Carry the state of a bump stop's loss along a cubic path without a reversal, and return the work done on the stop [J]."""
     x0, x1, lossy = position(cubic, start), position(cubic, end), p[i + LOSS] > 0.0
     s, work, t, w, x = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0, x0
     while t < end:

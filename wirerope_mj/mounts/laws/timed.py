@@ -53,7 +53,7 @@ def slope_at(law, p, i, cubic, t, z, scratch):
 
 @njit
 def integrate_in_time(law, p, i, cubic, start, end, z, j):
-    """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
+    """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it diverges."""
     k, scratch = np.empty((7, 2)), np.empty(2)
     t, step, smallest, work, now = start, _WIDEST * (end - start), _SMALLEST * (end - start), 0.0, z[j]
     # Beside a reversal, or where the force is the small difference of its parts, there is little but rounding of what is large

@@ -90,7 +90,7 @@ class Documents:
         return [f"{self.files[kind].name}{'' if kind in self.texts else ' (taken away)'}" for kind in names]
 
     def changed_outside(self) -> tuple[Texts, list[str]]:
-        """Return the texts with those that other programs changed, and the names of files that were changed here as well."""
+        """Return the texts as other programs left their files, and the names of files that were changed both there and here."""
         disk = self._on_disk()
         changed = [kind for kind in self.files if disk.get(kind) != self._saved.get(kind)]
         both = [kind for kind in changed if self.texts.get(kind) not in (self._edited.get(kind), disk.get(kind))]

@@ -294,6 +294,7 @@ def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, l
 
 
 def over_frequency_view(panel: Panel, *, listed: bool = False) -> rrb.Spatial2DView:
+    """Show a panel over frequency as a drawing, since the viewer's own plots run over time; it has a short name if `listed`."""
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _LEGEND_WIDTH], y_range=[-6.0, HEIGHT + 15.0])
     name = "Over frequency [Hz]" if listed else f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
