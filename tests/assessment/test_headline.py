@@ -229,3 +229,11 @@ def test_a_force_and_its_limit_are_said_in_one_unit(value, limit, text):
     assert text in against_limit(load)
     value_text, limit_text = text.split(", limit ")
     assert verdict_bars("criterion", [("load", "m1", load)]).rows[0][-1] == f"{value_text.split()[0]} of {limit_text}"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.882, "(88 %)"), (0.997, "(99.7 %)"), (1.0, "(100 %)"), (1.0003, "(100.03 %)"), (1.196, "(120 %)")]
+)
+def test_what_exceeds_its_limit_is_not_said_to_use_100_per_cent_of_it(value, text):
+    assert text in against_limit(row(value, 1.0))

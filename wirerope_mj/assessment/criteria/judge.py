@@ -30,6 +30,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     against_limit,
     most_amplified,
     most_used,
+    used_text,
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
@@ -146,7 +147,7 @@ class Verdicts(tuple[Verdict, ...]):
 
     def __repr__(self) -> str:
         judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
-        lines = [f"  {row.criterion} of {row.subject}: {100.0 * (row.utilisation or 0.0):.0f} %" for row in judged[:_SHOWN]]
+        lines = [f"  {row.criterion} of {row.subject}: {used_text(row.utilisation or 0.0)}" for row in judged[:_SHOWN]]
         return "\n".join([f"{len(self)} verdicts. {headline(self)}", *lines])
 
 

@@ -24,6 +24,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     Verdict,
     against_limit,
     most_used,
+    used_text,
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
@@ -159,8 +160,8 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
     worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return []
-    used = 100.0 * (worst.utilisation or 0.0)
-    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.0f} % of rated {worst.criterion}."]
+    used = used_text(worst.utilisation or 0.0)
+    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used} of rated {worst.criterion}."]
 
 
 def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -206,7 +207,7 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
     worst = most_used(rows)
     if worst is None:
         return []
-    used = f"{100.0 * (worst.utilisation or 0.0):.0f} % in {worst.criterion.sense}{_instant(worst)}"
+    used = f"{used_text(worst.utilisation or 0.0)} in {worst.criterion.sense}{_instant(worst)}"
     over = [row for row in rows if row.verdict == EXCEEDED]
     names = {rating: dict.fromkeys(row.subject for row in over if row.criterion.sense == rating) for rating in RATINGS}
     exceeded = [f"in {rating} by {', '.join(mounts)}" for rating, mounts in names.items() if mounts]
@@ -244,9 +245,7 @@ def _combined_lines(response: Response, verdicts: Sequence[Verdict], early: str)
     which = f"all {len(rows)} mounts{'' if len(rows) == len(every) else ' that are judged'}"
     within = f"is within at {'the only mount' if len(every) == 1 else which}"
     answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else within
-    parts = [
-        f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} %{_instant(worst)} (in-house rule)"
-    ]
+    parts = [f"Combined travel {answer}; most used {worst.subject}, {used_text(worst.value)}{_instant(worst)} (in-house rule)"]
     rated = {mount.name: mount.travel for mount in response.scene.mounts}
     travels = [row for row in verdicts if row.subject in rows and row.criterion.kind == TRAVEL and row.value > 0.0]
     for way in ("compression", "tension"):

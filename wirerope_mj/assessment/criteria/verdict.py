@@ -137,13 +137,19 @@ def criterion_text(criterion: Criterion) -> str:
 def against_limit(row: Verdict) -> str:
     """Write a value against its limit: "rack 10.2 g, limit 10 g (102 %) at 27.9 ms"; a ratio as its percentage."""
     what = row.subject if row.criterion == ACCELERATION else f"{row.subject} {criterion_text(row.criterion)}"
-    used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
+    used = used_text(row.utilisation or 0.0)
     no_instant = {STATIC_LOAD: " at rest", RMS: " over the run", SIGMA: " over the run"}
     at = no_instant.get(row.criterion.kind, "") if row.time is None else f" at {instant_text(row.time)}"
     if not row.unit:
         return f"{what} {used}{at}"
     value, limit, unit = value_and_limit(row)
     return f"{what} {value} {unit}, limit {limit} {unit} ({used}){at}"
+
+
+def used_text(utilisation: float) -> str:
+    """Write a utilisation in per cent, with as many decimals as it takes to tell it from 100 %: "88 %", "100.3 %"."""
+    texts = [f"{100.0 * utilisation:.{decimals}f}" for decimals in range(7)]
+    return f"{next((text for text in texts if float(text) != 100.0), '100')} %"
 
 
 def value_and_limit(row: Verdict) -> tuple[str, str, str]:

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from markupsafe import Markup, escape
 
+from wirerope_mj.assessment.criteria.verdict import used_text
 from wirerope_mj.foundation.arrays import Array, Entries
 
 _VIEWS = {"plan": (0, 1), "elevation": (0, 2), "end": (1, 2)}  # axes to the right and up
@@ -111,7 +112,7 @@ def _words(item: Entries) -> str:
 
 
 def _percent(item: Entries) -> str:
-    return "" if item.get("used") is None else f"{100.0 * item['used']:.0f} %"
+    return "" if item.get("used") is None else used_text(item["used"])
 
 
 def _length(value: float) -> str:
