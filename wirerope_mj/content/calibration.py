@@ -70,7 +70,7 @@ def calibration_content(
 
 
 def _unit(result: Calibration, k: int) -> str:
-    """Find the unit of the k-th value; "" for a factor."""
+    """Find the unit of the k-th identified value, by its law or channel where the result says but "SI"; "" for a factor."""
     name, unit = result.names[k], result.units[k]
     if unit != "SI":
         return unit

@@ -96,6 +96,7 @@ class BaseMotion(ABC):
         return np.zeros((t.size, 3))
 
     def _turning(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return the angles of rotation [rad] and their first and second derivatives by time, (n, 3) each."""
         return self._angles(t, 0), self._angles(t, 1), self._angles(t, 2)
 
     @property

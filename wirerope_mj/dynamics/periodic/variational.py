@@ -57,7 +57,7 @@ def _groups(system: System) -> list[_Group]:
 
 
 class Variational(ABC):
-    """The variational equation along a motion: its matrix A(t), and the monodromy matrix."""
+    """Growth of small changes of state along a motion: the matrix A(t) of their equation, and what a period makes of them."""
 
     def __init__(self, flow: Flow) -> None:
         self._flow, self._free, self._model = flow, flow.coordinates.free, flow.model

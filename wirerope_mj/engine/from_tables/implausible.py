@@ -41,7 +41,7 @@ def warn_of_masses(masses: Sequence[Mass]) -> None:
 
 
 def warn_of_layout(layout: Layout) -> None:
-    """Warn of each probable slip in the tables of a model that shows beside the others, with file, row, column and remedy."""
+    """Warn of each probable slip that shows where the rows and tables of a model are compared, with its place and remedy."""
     for text in (*_light(layout.masses), *_stops(layout), *_in_metres(layout), *_points(layout)):
         warnings.warn(text, RecordWarning, stacklevel=3)
 

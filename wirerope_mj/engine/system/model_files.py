@@ -155,7 +155,7 @@ def _with_ending(file: str) -> str:
 
 
 def _with_file(text: str, name: str, file: str) -> str:
-    """Return the MJCF in which the text `name` names `file`."""
+    """Return the MJCF with its custom text element `name` set to the path `file`."""
     stated = [{part[1]: unescape(part[2][1:-1]) for part in _ATTRIBUTE.finditer(match[0])} for match in _TEXT.finditer(text)]
     matches = [match for match, words in zip(_TEXT.finditer(text), stated, strict=True) if words.get("name") == name]
     if len(matches) != 1:

@@ -138,7 +138,7 @@ _TURN = 0.5  # Largest change of a direction in one step [rad]: more may jump to
 
 @dataclass(frozen=True, kw_only=True)
 class HalfState:
-    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back."""
+    """Equilibria of half a rope loop, EI = 1 N m^2, at m displacements of the payload's bar, in which one end is clamped."""
 
     direction: Array  # of the rope at the nodes [rad], (m, n)
     energy: Array  # of bending [J], (m,)

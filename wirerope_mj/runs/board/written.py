@@ -28,7 +28,7 @@ class Order:
     governing: str  # load case of which a film is
 
     def write_beside(self) -> Future[Path | str]:
-        """Have another process compute and write it; the result is the file, or why there is none."""
+        """Have another process compute and write the file; the result is its path, or why there is none."""
         from wirerope_mj.studies.engines.local import futures_of_processes  # late: with it comes all that studies need
 
         return futures_of_processes(_write, [self])[0]

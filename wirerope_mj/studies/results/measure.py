@@ -48,7 +48,7 @@ _ALIKE = 12  # Measures that are named because they begin alike: those of all mo
 
 @dataclass(frozen=True, kw_only=True)
 class Measure:
-    """A measure as it is displayed."""
+    """A measure of a study's variants as tables and charts show it: its column, label, unit and digits."""
 
     name: str  # column of the table
     text: str  # its meaning, without the unit

@@ -42,7 +42,7 @@ def check_docx() -> None:
 
 
 def write_docx(content: Content, path: Path) -> None:
-    """Write an unfolded content as a DOCX document; WireRopeError without python-docx."""
+    """Write the content of a report, its folded parts opened, as a DOCX document; WireRopeError without python-docx."""
     check_docx()
     with tempfile.TemporaryDirectory() as folder:
         writer = _Writer(content, Path(folder))

@@ -85,7 +85,7 @@ class Drawn:
 
     @property
     def overview(self) -> tuple[tuple[str, ...], ...]:
-        """Keys of the panels of the first tab.
+        """Names of the panels in the first tab of the viewer.
 
         Of a run alone utilisation, governing deflection and acceleration; only the first where spectra stand below it. Of
         several the worst mount, the most accelerated part, the base, and the largest differences.
@@ -219,7 +219,7 @@ def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
 def overlay_texts(
     comparison: Comparison, inputs: Inputs, tables: Sequence[Table], judged: Mapping[str, JudgedRun] | None = None
 ) -> tuple[Text, ...]:
-    """Write the better run, differences, peaks side by side, and tables of the study."""
+    """Write texts beside runs laid over each other: which is better, what differs, peaks side by side, tables of the study."""
     content = comparison_content(comparison, inputs, judged)
     sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
 
