@@ -4,7 +4,6 @@ import pytest
 
 from tests.slips.__main__ import bases, slips
 from tests.slips.foreign_inputs import foreign_inputs
-from tests.slips.in_context import SLIPS as IN_CONTEXT
 from tests.slips.planting import planted, told
 from tests.slips.unusual_inputs import unusual_inputs
 
@@ -30,12 +29,7 @@ def test_a_sample_of_slips_is_named(tmp_path, monkeypatch):
     assert faults(PAIRS[::25], tmp_path) == []
 
 
-@pytest.mark.parametrize("slip", IN_CONTEXT, ids=lambda slip: slip.name)
-def test_a_slip_that_shows_beside_something_else_is_named(slip, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert faults([(slip, slip.bases[0])], tmp_path) == []
-
-
+@pytest.mark.slow
 def test_nothing_is_said_of_what_is_rare_and_right(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = {base.name: told(base, tmp_path / str(number)) for number, base in enumerate(unusual_inputs())}
