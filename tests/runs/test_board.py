@@ -84,6 +84,7 @@ def test_what_is_saved_gives_the_same_verdict_by_the_command(board, folder, tmp_
     assert run.headline == job_headline(run.job.verdicts).text
 
 
+@pytest.mark.slow
 def test_undone_to_the_beginning_the_files_are_those_of_before(board, folder):
     before = texts(folder)
     edits = [
@@ -424,6 +425,7 @@ def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board, monkeypatch)
     assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
 
 
+@pytest.mark.slow
 def test_a_report_is_of_what_stood_as_it_was_asked_for_and_holds_up_nothing(board, folder):
     asked = board.act({"do": "report"})
     next(asked)
