@@ -9,9 +9,9 @@ import numpy as np
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.runs.job_file import LoadCase
 
-_VERTICAL = re.compile(r"vertical|vertikal|\bheave\b", re.IGNORECASE)
+_VERTICAL = re.compile(r"verti[ck]al|\bheave\b", re.IGNORECASE)
 _LEVEL = re.compile(
-    r"horizontal|athwart|transvers|lateral|longitudinal|fore[ -]and[ -]aft|\bsway\b|\bsurge\b|quer|l\u00e4ngs", re.IGNORECASE
+    r"horizontal|athwart|transverse?|lateral|longitudinal|fore[ -]and[ -]aft|\bsway\b|\bsurge\b|quer|l\u00e4ngs", re.IGNORECASE
 )
 _ALONG = 0.1  # of a unit vector, from which a motion has a part along an axis
 
