@@ -128,6 +128,8 @@ _HIGHEST, _FARTHEST = 5e3, 4.0
 # rms acceleration [m/s^2] beyond which the unit of a density is questioned, 50 g; how many times a single point stands off both
 # beside it; displacement [m] of an oscillator under a spectrum, which the ground of no earthquake and no ship's deck reaches
 _LOUDEST, _LONE, _SWEPT = 50.0 * STANDARD_GRAVITY, 100.0, 1.2
+_SAID = 0.1  # relative error of an rms value that a file says of itself
+_RISING = 8.0  # level at the end over all before it, over more than an octave: those of standards fall there, or rise twice
 
 
 def doubt_of_rms(rms: float) -> str:
@@ -198,8 +200,6 @@ def _lone_point(points: Points) -> float | None:
     return None
 
 
-_SAID = 0.1  # relative error of an rms value that a file says of itself
-_RISING = 8.0  # level at the end over all before it, over more than an octave: those of standards fall there, or rise twice
 _MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
 
 

@@ -1,4 +1,4 @@
-"""What load cases of a job contradict, or repeat: a name and the direction of its motion, and each other."""
+"""Doubts about a job's load cases: a name that contradicts its motion's direction, and two cases that are the same."""
 
 import re
 from collections.abc import Iterator, Sequence

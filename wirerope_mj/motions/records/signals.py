@@ -116,11 +116,8 @@ def _without_ringing(a: Array) -> Array:
         return a
     smooth = scipy.ndimage.uniform_filter1d(scipy.ndimage.uniform_filter1d(a, length), length)
     behind = slice(int(above[-1]) + length, None)  # its flanks are smoothed, too
-    rings = (
-        float(np.sqrt(np.mean((a - smooth)[behind] ** 2))) > _RINGS * peak_from(a, rest)
-        if above[-1] + length < a.size
-        else False
-    )
+    ringing = (a - smooth)[behind]
+    rings = ringing.size and float(np.sqrt(np.mean(ringing**2))) > _RINGS * peak_from(a, rest)
     return smooth if rings else a
 
 

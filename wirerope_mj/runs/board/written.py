@@ -20,7 +20,7 @@ FILES = {
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be written (a key of `FILES`), into which folder, and of what: a job's file, or a scenario."""
+    """A request to write a key of `FILES`, such as a report or a film, of a job's file or a scenario into a folder."""
 
     asked: str
     of: Path | Scenario
